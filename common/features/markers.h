@@ -1,0 +1,44 @@
+#pragma once
+// Square markers in an image, and the camera's pose from them. The only user of OpenCV's aruco module (its API changes at
+// OpenCV 4.7).
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/features/robust_pose.h"
+#include "common/image/image.h"
+#include "common/recording/marker_file.h"
+
+namespace meshloop {
+
+struct MarkerSighting {
+  int id = 0;
+  /// Refined to sub-pixel accuracy, in the order of Marker::corners.
+  std::array<Eigen::Vector2d, 4> pixels;
+};
+
+class MarkerDetector {
+ public:
+  /// Refuses a dictionary that OpenCV does not have.
+  static Result<MarkerDetector> create(const std::string& dictionary);
+  [[nodiscard]] std::vector<MarkerSighting> detect(const GreyImage& image) const;
+  /// The black and white cells of a marker with its border, 255 white, row 0 on top; one pixel a cell.
+  [[nodiscard]] Result<GreyImage> pattern(int id) const;
+
+ private:
+  struct Dictionary;
+  explicit MarkerDetector(std::shared_ptr<const Dictionary> dictionary);
+  std::shared_ptr<const Dictionary> dictionary_;
+};
+
+/// Pose from all sightings of known markers together. A single marker seen nearly frontally has two poses that fit: the one
+/// nearer to `prior` wins, and without a prior the better one, and only if it is clearly better. Nothing when no known
+/// marker is seen or the pose is ambiguous.
+[[nodiscard]] std::optional<RobustPose> pose_from_markers(const std::vector<MarkerSighting>& sightings,
+                                                          const MarkerMap& map, const Camera& camera,
+                                                          const std::optional<Pose>& prior);
+
+}  // namespace meshloop

@@ -1,0 +1,15 @@
+#include "common/geometry/rig.h"
+
+#include <cmath>
+
+namespace meshloop {
+
+Status validate(const Rig& rig) {
+  if (auto ok = validate(rig.color); !ok) return fail("color", ok.error());
+  if (auto ok = validate(rig.depth); !ok) return fail("depth", ok.error());
+  if (!std::isfinite(rig.depth_scale) || rig.depth_scale <= 0) return fail("depth_scale must be positive");
+  if (!is_rigid(rig.T_depth_color)) return fail("T_depth_color is not a rigid transform");
+  return {};
+}
+
+}  // namespace meshloop

@@ -1,0 +1,31 @@
+#pragma once
+#include <memory>
+#include <string>
+
+#include "common/base/result.h"
+
+namespace meshloop {
+
+/// A GLES 3.1 (or newer) context without a window. Made and used on one thread: every GL object of the project belongs to
+/// the thread of its context.
+class GpuContext {
+ public:
+  /// Tries, in this order: EGL devices that are hardware, Mesa's surfaceless platform, EGL devices in software. A failure
+  /// names each attempt and what to install.
+  static Result<std::unique_ptr<GpuContext>> create_headless();
+
+  ~GpuContext();
+  GpuContext(const GpuContext&) = delete;
+  GpuContext& operator=(const GpuContext&) = delete;
+
+  /// Renderer, version and platform: "llvmpipe (LLVM 15.0.6, 256 bits), OpenGL ES 3.2, surfaceless".
+  [[nodiscard]] const std::string& description() const { return description_; }
+
+ private:
+  struct Handles;
+  GpuContext(std::unique_ptr<Handles> handles, std::string description);
+  std::unique_ptr<Handles> handles_;
+  std::string description_;
+};
+
+}  // namespace meshloop

@@ -1,0 +1,18 @@
+#pragma once
+#include "common/mesh/submesh.h"
+
+namespace meshloop {
+
+/// Positions of a scene lie on one lattice of points `spacing_m` apart, so that nodes which meet in a point still meet
+/// after they were compressed, and what the station stores is bit for bit what devices decode. The spacing is a power
+/// of two, hence exact in floating point: 2^-12 m = 0.244 mm, a rounding error of at most 0.122 mm per axis, a tenth
+/// of a Kinect's noise at its nearest range.
+inline constexpr float kLatticeSpacing_m = 1.0f / 4096;
+
+[[nodiscard]] bool is_on_lattice(const Submesh& submesh);
+
+/// Moves every position to the nearest lattice point. Triangles that thereby lose their area, and vertices that
+/// nothing uses any more, are dropped; vertices stay separate. May leave no triangles (the result is then not valid).
+[[nodiscard]] Submesh snap_to_lattice(const Submesh& submesh);
+
+}  // namespace meshloop

@@ -1,0 +1,102 @@
+#include "common/mesh/submesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <span>
+
+namespace meshloop {
+namespace {
+
+constexpr float kFarthest_m = 10'000;
+
+template <class T>
+void append_bytes(std::vector<std::byte>& bytes, const std::vector<T>& values) {
+  const auto view = std::as_bytes(std::span{values});
+  bytes.insert(bytes.end(), view.begin(), view.end());
+}
+
+}  // namespace
+
+Eigen::AlignedBox3f Submesh::bounds() const {
+  Eigen::AlignedBox3f box;
+  for (const auto& p : positions) box.extend(p);
+  return box;
+}
+
+std::size_t Submesh::raw_bytes() const { return positions.size() * 12 + colors.size() * 3 + triangles.size() * 12; }
+
+Status validate(const Submesh& submesh) {
+  if (submesh.triangles.empty()) return fail("the mesh has no triangles");
+  if (submesh.positions.size() > kMaxVertices || submesh.triangles.size() > kMaxTriangles) {
+    return fail(fmt::format("the mesh is too large ({} vertices, {} triangles; at most {} and {})",
+                            submesh.positions.size(), submesh.triangles.size(), kMaxVertices, kMaxTriangles));
+  }
+  if (submesh.has_colors() && submesh.colors.size() != submesh.positions.size()) {
+    return fail("the mesh has colours for some of its vertices only");
+  }
+  for (const auto& triangle : submesh.triangles) {
+    for (const auto index : triangle) {
+      if (index >= submesh.positions.size()) {
+        return fail(fmt::format("a triangle names vertex {}, but there are only {}", index, submesh.positions.size()));
+      }
+    }
+  }
+  const auto usable = [](const Eigen::Vector3f& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() <= kFarthest_m; };
+  if (!std::all_of(submesh.positions.begin(), submesh.positions.end(), usable)) {
+    return fail("a vertex position is not a finite number within 10 km; is the file in metres?");
+  }
+  return {};
+}
+
+Hash content_hash(const Submesh& submesh) {
+  std::vector<std::byte> bytes;
+  bytes.reserve(submesh.raw_bytes() + 24);
+  append_bytes(bytes, std::vector<std::uint64_t>{submesh.positions.size(), submesh.colors.size(),
+                                                 submesh.triangles.size()});
+  append_bytes(bytes, submesh.positions);
+  append_bytes(bytes, submesh.colors);
+  append_bytes(bytes, submesh.triangles);
+  return hash_of(bytes);
+}
+
+Submesh keep_triangles(const Submesh& submesh, const std::vector<bool>& keep) {
+  constexpr auto kUnused = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> new_index(submesh.positions.size(), kUnused);
+  for (std::size_t t = 0; t < submesh.triangles.size(); ++t) {
+    if (!keep[t]) continue;
+    for (const auto index : submesh.triangles[t]) new_index[index] = 0;
+  }
+  Submesh kept;
+  for (std::size_t i = 0; i < new_index.size(); ++i) {
+    if (new_index[i] == kUnused) continue;
+    new_index[i] = static_cast<std::uint32_t>(kept.positions.size());
+    kept.positions.push_back(submesh.positions[i]);
+    if (submesh.has_colors()) kept.colors.push_back(submesh.colors[i]);
+  }
+  for (std::size_t t = 0; t < submesh.triangles.size(); ++t) {
+    if (!keep[t]) continue;
+    const auto& [a, b, c] = submesh.triangles[t];
+    kept.triangles.push_back({new_index[a], new_index[b], new_index[c]});
+  }
+  return kept;
+}
+
+std::vector<Eigen::Vector3f> vertex_normals(const Submesh& submesh) {
+  std::vector<Eigen::Vector3f> normals(submesh.positions.size(), Eigen::Vector3f::Zero());
+  for (const auto& [a, b, c] : submesh.triangles) {
+    const Eigen::Vector3f& p = submesh.positions[a];
+    const Eigen::Vector3f area = (submesh.positions[b] - p).cross(submesh.positions[c] - p);
+    for (const auto index : {a, b, c}) normals[index] += area;
+  }
+  for (auto& normal : normals) {
+    const float length = normal.norm();
+    normal = length > 1e-20f ? Eigen::Vector3f(normal / length) : Eigen::Vector3f::UnitZ();
+  }
+  return normals;
+}
+
+}  // namespace meshloop

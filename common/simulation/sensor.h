@@ -1,0 +1,38 @@
+#pragma once
+#include <cstdint>
+
+#include "common/geometry/rig.h"
+#include "common/image/image.h"
+#include "common/simulation/scene.h"
+
+namespace meshloop::simulation {
+
+/// Exact images, by ray casting through pixel centres.
+struct ExactDepth {
+  /// Metres along the optical axis; 0 where no solid is.
+  DepthImage depth;
+  /// Index of the solid seen, plus 1.
+  Image<std::uint16_t> solid;
+  /// Cosine between ray and surface normal.
+  Image<float> cos_theta;
+};
+[[nodiscard]] ExactDepth cast_depth(const Scene& scene, const Camera& camera, const Pose& T_camera_world,
+                                    bool modelled_only);
+/// Anti-aliased colour (supersampling x supersampling rays a pixel), with one fixed light.
+[[nodiscard]] ColorImage cast_color(const Scene& scene, const Camera& camera, const Pose& T_camera_world,
+                                    int supersampling);
+
+struct NoiseOptions {
+  /// 1 is the sensor's own noise, 0 none at all (then depth is rounded only by the recording's 16 bits).
+  double strength = 1;
+  /// Seed of this frame.
+  std::uint64_t seed = 0;
+};
+/// What the depth sensor would deliver: axial and lateral noise and quantisation of the sensor model, range 0.4 to 4.5 m,
+/// nothing measured beyond 80 degrees and in the shadow of the projector (7.5 cm to the side).
+[[nodiscard]] DepthImage measure(const ExactDepth& exact, const Camera& camera, const SensorModel& sensor,
+                                 const NoiseOptions& options);
+/// Gaussian noise of `sigma` grey levels times strength.
+void add_color_noise(ColorImage& image, double sigma, std::uint64_t seed);
+
+}  // namespace meshloop::simulation

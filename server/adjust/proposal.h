@@ -1,0 +1,59 @@
+#pragma once
+// From a snapshot (frame, pose, comparison, regions) to proposed edits of the model.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/change/comparison.h"
+#include "common/change/region.h"
+#include "common/geometry/rig.h"
+#include "common/geometry/tracked_pose.h"
+#include "common/image/frames.h"
+#include "common/mesh/model.h"
+
+namespace meshloop {
+
+/// All that an adjustment is made from. Pointers must outlive the call.
+struct Snapshot {
+  const Model* model = nullptr;
+  const RgbdFrame* frame = nullptr;
+  const Rig* rig = nullptr;
+  /// T_depth_world.
+  TrackedPose depth_pose;
+  const Comparison* comparison = nullptr;
+  const RegionMap* regions = nullptr;
+};
+
+/// One region's change. Ids are the regions' ids.
+struct Proposal {
+  RegionId id = 0;
+  ChangeKind kind = ChangeKind::none;
+  std::vector<Edit> edits;
+  std::size_t triangles_added = 0;
+  std::size_t triangles_removed = 0;
+  double largest_change_m = 0;
+  /// "+96 triangles; largest change 21 mm"
+  std::string effect;
+};
+
+struct AdjustOptions {
+  /// Triangles may span at most this many sigma of depth between neighbouring pixels, beyond what a surface seen at
+  /// 80 degrees would show.
+  double discontinuity_sigmas = 4;
+  /// Connected patches with fewer triangles are dropped.
+  std::size_t min_patch_triangles = 20;
+};
+
+/// Proposals for the confirmed regions. `next_node_id` is the first free id; proposals take consecutive ones. Proposals of
+/// one snapshot may be accepted in any subset: edits of the same node are merged by `merge_edits`.
+[[nodiscard]] std::vector<Proposal> propose(const Snapshot& snapshot, NodeId next_node_id, const AdjustOptions& options);
+
+/// Edits of several accepted proposals as one list that `apply` takes: several removals from one node become one.
+[[nodiscard]] Result<std::vector<Edit>> merge_edits(const Model& model, const std::vector<Proposal>& accepted);
+
+/// The depth grid of a region as a submesh in the world, coloured from the colour image, on the scene's lattice. Positions
+/// follow equations 2 and 3 of the design; colours equation 4, grey where the colour camera does not see the point.
+[[nodiscard]] Submesh insertion_patch(const Snapshot& snapshot, RegionId region, const AdjustOptions& options);
+
+}  // namespace meshloop

@@ -1,0 +1,21 @@
+#pragma once
+#include <memory>
+#include <optional>
+
+#include "common/base/result.h"
+#include "common/geometry/rig.h"
+#include "common/image/frames.h"
+
+namespace meshloop {
+
+/// Where depth and colour come from. Frames are free of lens distortion.
+class RgbdSource {
+ public:
+  virtual ~RgbdSource() = default;
+  /// Cameras without distortion, as the frames are.
+  [[nodiscard]] virtual const Rig& rig() const = 0;
+  /// The next frame; nothing at the end of a recording. A frame that cannot be read is an error; the source can go on.
+  virtual Result<std::optional<RgbdFrame>> next() = 0;
+};
+
+}  // namespace meshloop

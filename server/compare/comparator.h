@@ -1,0 +1,50 @@
+#pragma once
+// Measured against expected depth (analysis by synthesis).
+#include <memory>
+
+#include "common/base/result.h"
+#include "common/change/comparison.h"
+#include "common/geometry/rig.h"
+#include "common/geometry/tracked_pose.h"
+#include "common/gpu/context.h"
+#include "common/image/image.h"
+#include "common/mesh/model.h"
+
+namespace meshloop {
+
+struct CompareInput {
+  const Model* model = nullptr;
+  /// Pinhole intrinsics of the depth camera.
+  Camera camera;
+  SensorModel sensor;
+  /// T_depth_world with its covariance.
+  TrackedPose pose;
+  /// Measured depth in metres, 0 where there is none, in the camera's size.
+  const DepthImage* measured = nullptr;
+  Threshold threshold;
+};
+
+struct CompareTimes {
+  double upload_ms = 0;
+  double render_ms = 0;
+  double compare_ms = 0;
+  double readback_ms = 0;
+};
+
+/// On the GPU. One thread, that of the context.
+class Comparator {
+ public:
+  static Result<std::unique_ptr<Comparator>> create(GpuContext& context);
+  virtual ~Comparator() = default;
+  /// Refuses a measured image of another size than the camera's, a pose that is lost or not rigid.
+  virtual Result<Comparison> compare(const CompareInput& input, CompareTimes* times) = 0;
+};
+
+/// The same on the CPU: given the expected depth, the contract of the shader. Reference for tests.
+[[nodiscard]] Comparison compare_on_cpu(const CompareInput& input, const DepthImage& expected,
+                                        const Image<std::uint32_t>& node_index);
+/// Renders the model's depth and node images on the CPU, pixel by pixel (slow; reference for tests).
+void render_on_cpu(const Model& model, const Camera& camera, const Pose& T_camera_world, DepthImage& depth,
+                   Image<std::uint32_t>& node_index);
+
+}  // namespace meshloop

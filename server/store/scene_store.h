@@ -1,0 +1,57 @@
+#pragma once
+// A scene is one SQLite file. What was reported as committed survives the end of the process at any moment.
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+#include "common/image/image.h"
+#include "common/mesh/model.h"
+
+namespace meshloop {
+
+/// Who, when and why, kept with every revision.
+struct RevisionInfo {
+  Revision revision = 0;
+  /// The revision it was made from.
+  Revision parent = 0;
+  std::int64_t accepted_ns = 0;
+  std::string author;
+  std::string summary;
+  std::size_t triangles_added = 0;
+  std::size_t triangles_removed = 0;
+  /// PNG files' bytes: the snapshot's pictures (may be empty).
+  std::vector<std::vector<std::byte>> pictures;
+};
+
+class SceneStore {
+ public:
+  /// Creates the file when it is not there. A damaged or foreign file is refused, unchanged.
+  static Result<std::unique_ptr<SceneStore>> open(const std::filesystem::path& file, bool create);
+  virtual ~SceneStore() = default;
+
+  [[nodiscard]] virtual std::shared_ptr<const Model> model() const = 0;
+  /// First id that no node of any revision has used.
+  [[nodiscard]] virtual NodeId next_node_id() const = 0;
+
+  /// Applies the edits as a new revision after the present one and returns when it is on the disk. Revisions after the
+  /// present one (undone ones) stay in the journal, but redo no longer reaches them. The info's revision and parent are
+  /// filled in by the store.
+  virtual Result<std::shared_ptr<const Model>> commit(const std::vector<Edit>& edits, RevisionInfo info) = 0;
+
+  /// Undo and redo are new revisions too: numbers only grow, so that devices never see one number with two contents.
+  virtual Result<std::shared_ptr<const Model>> undo() = 0;
+  virtual Result<std::shared_ptr<const Model>> redo() = 0;
+
+  /// Oldest first.
+  [[nodiscard]] virtual Result<std::vector<RevisionInfo>> log() const = 0;
+  /// The model as it was at a revision, bit for bit.
+  [[nodiscard]] virtual Result<std::shared_ptr<const Model>> model_at(Revision revision) const = 0;
+
+  /// A number that grows by one with each call and survives restarts: the station's start counter.
+  virtual Result<std::uint64_t> begin_epoch() = 0;
+};
+
+}  // namespace meshloop
