@@ -1,0 +1,45 @@
+#include "common/program/arguments.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <set>
+#include <sstream>
+
+namespace meshloop {
+namespace {
+
+constexpr int kMaxFrame = 1'000'000;
+
+std::optional<int> parse_number(std::string_view text) {
+  int number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size() || number < 0 || number > kMaxFrame) return std::nullopt;
+  return number;
+}
+
+}  // namespace
+
+Result<std::vector<int>> parse_frame_list(const std::string& text) {
+  std::set<int> frames;
+  std::istringstream parts{text};
+  for (std::string part; std::getline(parts, part, ',');) {
+    const auto dash = part.find('-');
+    const auto first = parse_number(part.substr(0, dash));
+    const auto last = dash == std::string::npos ? first : parse_number(part.substr(dash + 1));
+    if (!first || !last || *last < *first) {
+      return fail(fmt::format("'{}' is not a list of frames such as 0,5,10-20", text), ErrorKind::usage);
+    }
+    for (int frame = *first; frame <= *last; ++frame) frames.insert(frame);
+  }
+  if (frames.empty()) return fail("the list of frames is empty", ErrorKind::usage);
+  return std::vector<int>(frames.begin(), frames.end());
+}
+
+KindAndRest split_kind(const std::string& text) {
+  const auto colon = text.find(':');
+  if (colon == std::string::npos) return {text, ""};
+  return {text.substr(0, colon), text.substr(colon + 1)};
+}
+
+}  // namespace meshloop
