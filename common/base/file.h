@@ -1,0 +1,24 @@
+#pragma once
+// Whole files in memory, with limits, so that every parser works on bytes.
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/base/result.h"
+
+namespace meshloop {
+
+/// The bytes of a regular file. Refuses what is not a regular file, and a file of more than `max_bytes`.
+[[nodiscard]] Result<std::vector<std::byte>> read_file(const std::filesystem::path& file, std::size_t max_bytes);
+/// The same as text.
+[[nodiscard]] Result<std::string> read_text_file(const std::filesystem::path& file, std::size_t max_bytes);
+
+/// Replaces the file's content. A folder that is missing, a write that is refused and a full disk are errors.
+[[nodiscard]] Status write_file(const std::filesystem::path& file, std::span<const std::byte> bytes);
+[[nodiscard]] Status write_text_file(const std::filesystem::path& file, const std::string& text);
+/// Adds text at the end of a file (made if missing) in one write, so that a killed process leaves all of it or nothing.
+[[nodiscard]] Status append_text_file(const std::filesystem::path& file, const std::string& text);
+
+}  // namespace meshloop
