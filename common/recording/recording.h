@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/result.h"
@@ -38,6 +39,10 @@ class Recording {
   [[nodiscard]] Result<ColorFrame> read_color(int index) const;
 
  private:
+  Recording() = default;
+  [[nodiscard]] Result<ColorImage> read_color_file(const RecordedImage& image) const;
+  [[nodiscard]] Result<DepthImage> read_depth_file(const RecordedImage& image) const;
+
   Rig rig_;
   std::filesystem::path folder_;
   std::vector<RecordedImage> color_;
@@ -46,20 +51,40 @@ class Recording {
 };
 
 /// Writes a recording, image by image; the lists are complete after each one, so that a killed recorder leaves a
-/// recording that can be read.
+/// recording that can be read. Images must have the rig's sizes, and timestamps must grow in each list.
 class RecordingWriter {
  public:
+  /// Makes the folder. Refuses one that holds a recording already.
   static Result<RecordingWriter> create(const std::filesystem::path& folder, const Rig& rig);
 
   Status add_color(double timestamp_s, const ColorImage& image);
+  /// Metres; rounded to units of the rig's depth_scale. What does not fit into 16 bits, and NaN, becomes 0
+  /// (unmeasured).
   Status add_depth(double timestamp_s, const DepthImage& image_m);
   Status add_ground_truth(double timestamp_s, const Pose& T_world_color);
 
  private:
+  /// One list file, and how far it has come.
+  struct Stream {
+    std::string name;
+    int count = 0;
+    double last_s = 0;
+  };
+
+  RecordingWriter(Rig rig, std::filesystem::path folder) : rig_{std::move(rig)}, folder_{std::move(folder)} {}
+  Status check_time(const Stream& stream, double timestamp_s) const;
+  Status append(Stream& stream, double timestamp_s, const std::string& header, const std::string& line);
+  template <class T>
+  Status add_image(Stream& stream, double timestamp_s, const Image<T>& image);
+
   Rig rig_;
   std::filesystem::path folder_;
+  Stream color_{"rgb"};
+  Stream depth_{"depth"};
+  Stream ground_truth_{"groundtruth"};
 };
 
+/// rig.yaml. Every key must be there, none may be unknown; a registered depth camera must equal the colour camera.
 [[nodiscard]] Result<Rig> read_rig(const std::filesystem::path& file);
 [[nodiscard]] Status write_rig(const std::filesystem::path& file, const Rig& rig);
 
