@@ -23,8 +23,8 @@ struct SceneView {
 
 /// Renders into its own targets, which grow to the camera's size. One thread, that of the context.
 ///
-/// Row 0 of the textures is row 0 (the top) of the image. Depth texture: R32F, metres along the optical axis, 0 where no
-/// surface is. Node texture: R32UI, position in Model::nodes plus 1, 0 for none. Colour texture: RGBA8, the vertex
+/// Row 0 of the textures is row 0 (the top) of the image. Depth texture: R32F, metres along the optical axis, 0 where
+/// no surface is. Node texture: R32UI, position in Model::nodes plus 1, 0 for none. Colour texture: RGBA8, the vertex
 /// colours as they are (no light), alpha 0 where no surface is, 1 where the node has colours and 0.5 where it has none
 /// (drawn mid grey). Both sides of a triangle are drawn.
 class SceneRenderer {

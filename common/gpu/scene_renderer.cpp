@@ -1,0 +1,182 @@
+#include "common/gpu/scene_renderer.h"
+
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "common/gpu/gl_objects.h"
+#include "common/gpu/projection.h"
+#include "shaders/shaders.h"
+
+namespace meshloop {
+namespace {
+
+constexpr GLint kClipFromNode = 0;
+constexpr GLint kNodeIndex = 1;
+constexpr GLuint kColorAttribute = 1;
+
+struct Targets {
+  int width;
+  int height;
+  Texture depth;
+  Texture node;
+  Texture color;
+  Texture z_buffer;
+  Framebuffer framebuffer;
+
+  Targets(int wide, int high)
+      : width{wide},
+        height{high},
+        depth{make_texture(GL_R32F, wide, high)},
+        node{make_texture(GL_R32UI, wide, high)},
+        color{make_texture(GL_RGBA8, wide, high)},
+        z_buffer{make_texture(GL_DEPTH_COMPONENT32F, wide, high)} {
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+    attach(GL_COLOR_ATTACHMENT0, depth);
+    attach(GL_COLOR_ATTACHMENT1, node);
+    attach(GL_COLOR_ATTACHMENT2, color);
+    attach(GL_DEPTH_ATTACHMENT, z_buffer);
+    const std::array<GLenum, 3> buffers{GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
+    glDrawBuffers(static_cast<GLsizei>(buffers.size()), buffers.data());
+  }
+
+ private:
+  static void attach(GLenum attachment, const Texture& texture) {
+    glFramebufferTexture2D(GL_FRAMEBUFFER, attachment, GL_TEXTURE_2D, texture.name(), 0);
+  }
+};
+
+class GlSceneRenderer final : public SceneRenderer {
+ public:
+  GlSceneRenderer(GpuContext& context, Program program, Targets targets)
+      : context_{context}, program_{std::move(program)}, targets_{std::move(targets)} {}
+  GlSceneRenderer(const GlSceneRenderer&) = delete;
+  GlSceneRenderer& operator=(const GlSceneRenderer&) = delete;
+  // The members are freed in the context that made them.
+  ~GlSceneRenderer() override { context_.make_current(); }
+
+  void render(const Model& model, const SceneView& view) override;
+
+  [[nodiscard]] unsigned depth_texture() const override { return targets_.depth.name(); }
+  [[nodiscard]] unsigned node_texture() const override { return targets_.node.name(); }
+  [[nodiscard]] unsigned color_texture() const override { return targets_.color.name(); }
+
+  [[nodiscard]] DepthImage read_depth() override;
+  [[nodiscard]] Image<std::uint32_t> read_nodes() override;
+  [[nodiscard]] ColorImage read_color(GreyImage* mask) override;
+
+ private:
+  void prepare(const Camera& camera);
+  void draw_nodes(const Model& model, const SceneView& view) const;
+
+  GpuContext& context_;
+  Program program_;
+  MeshCache cache_;
+  Targets targets_;
+};
+
+void clear_targets() {
+  constexpr std::array<float, 4> kNoDepth{0, 0, 0, 0};
+  constexpr std::array<GLuint, 4> kNoNode{0, 0, 0, 0};
+  constexpr std::array<float, 4> kNoColor{0, 0, 0, 0};
+  constexpr float kFarthest = 1;
+  glClearBufferfv(GL_COLOR, 0, kNoDepth.data());
+  glClearBufferuiv(GL_COLOR, 1, kNoNode.data());
+  glClearBufferfv(GL_COLOR, 2, kNoColor.data());
+  glClearBufferfv(GL_DEPTH, 0, &kFarthest);
+}
+
+// Everything that the drawing depends on is set here: the context is shared with other drawing.
+void GlSceneRenderer::prepare(const Camera& camera) {
+  if (camera.width != targets_.width || camera.height != targets_.height) {
+    targets_ = Targets(camera.width, camera.height);
+  }
+  glBindFramebuffer(GL_FRAMEBUFFER, targets_.framebuffer.name());
+  glViewport(0, 0, targets_.width, targets_.height);
+  for (const GLenum off : {GL_SCISSOR_TEST, GL_CULL_FACE, GL_BLEND, GL_STENCIL_TEST, GL_DITHER, GL_POLYGON_OFFSET_FILL,
+                           GL_RASTERIZER_DISCARD, GL_SAMPLE_ALPHA_TO_COVERAGE}) {
+    glDisable(off);
+  }
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glEnable(GL_DEPTH_TEST);
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_LESS);
+  glDepthRangef(0, 1);
+}
+
+void GlSceneRenderer::render(const Model& model, const SceneView& view) {
+  context_.make_current();
+  prepare(view.camera);
+  cache_.update(model);
+  clear_targets();
+  draw_nodes(model, view);
+  glBindVertexArray(0);
+  glFlush();
+}
+
+void GlSceneRenderer::draw_nodes(const Model& model, const SceneView& view) const {
+  const Eigen::Matrix4d clip_from_world =
+      clip_from_camera(view.camera, view.near_m, view.far_m) * view.T_camera_world.matrix();
+  program_.use();
+  glVertexAttrib4f(kColorAttribute, 0.5F, 0.5F, 0.5F, 0.5F);
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    const Node& node = model.nodes[i];
+    const GpuMesh& mesh = cache_.mesh_of(node);
+    // The product is made in double: a float camera far from the origin would move what it sees.
+    const Eigen::Matrix4d clip_from_node = clip_from_world * node.T_world_node.matrix();
+    if (mesh.index_count == 0 || is_outside_view(clip_from_node, mesh.bounds)) continue;
+    const Eigen::Matrix4f matrix = clip_from_node.cast<float>();
+    glUniformMatrix4fv(kClipFromNode, 1, GL_FALSE, matrix.data());
+    glUniform1ui(kNodeIndex, static_cast<GLuint>(i + 1));
+    glBindVertexArray(mesh.vertex_array);
+    glDrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
+  }
+}
+
+DepthImage GlSceneRenderer::read_depth() {
+  context_.make_current();
+  DepthImage depth(targets_.width, targets_.height);
+  read_floats(targets_.framebuffer, GL_COLOR_ATTACHMENT0, targets_.width, targets_.height, depth.data());
+  return depth;
+}
+
+Image<std::uint32_t> GlSceneRenderer::read_nodes() {
+  context_.make_current();
+  Image<std::uint32_t> nodes(targets_.width, targets_.height);
+  read_unsigned(targets_.framebuffer, GL_COLOR_ATTACHMENT1, targets_.width, targets_.height, nodes.data());
+  return nodes;
+}
+
+ColorImage GlSceneRenderer::read_color(GreyImage* mask) {
+  context_.make_current();
+  const int width = targets_.width;
+  const int height = targets_.height;
+  Image<std::array<std::uint8_t, 4>> rgba(width, height);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, targets_.framebuffer.name());
+  glReadBuffer(GL_COLOR_ATTACHMENT2);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data());
+  ColorImage color(width, height);
+  if (mask != nullptr) *mask = GreyImage(width, height);
+  for (std::size_t i = 0; i < color.size(); ++i) {
+    const auto [r, g, b, a] = rgba.pixels()[i];
+    color.pixels()[i] = {r, g, b};
+    if (mask != nullptr) mask->pixels()[i] = a == 255 ? 255 : 0;
+  }
+  return color;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SceneRenderer>> SceneRenderer::create(GpuContext& context) {
+  constexpr int kFirstSize = 16;
+  context.make_current();
+  auto program = Program::create(shaders::scene_vert, shaders::scene_frag);
+  if (!program) return fail("preparing the scene renderer", program.error());
+  Targets targets(kFirstSize, kFirstSize);
+  if (auto usable = check_framebuffer("float depth images"); !usable) return fail(usable.error());
+  return std::unique_ptr<SceneRenderer>{
+      std::make_unique<GlSceneRenderer>(context, std::move(*program), std::move(targets))};
+}
+
+}  // namespace meshloop

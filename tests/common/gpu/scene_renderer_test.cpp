@@ -1,0 +1,261 @@
+#include "common/gpu/scene_renderer.h"
+
+#include <GLES3/gl31.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace meshloop {
+namespace {
+
+constexpr Rgb8 kRed{255, 0, 0};
+
+Camera small_camera() {
+  Camera camera;
+  camera.width = 64;
+  camera.height = 48;
+  camera.fx = 60;
+  camera.fy = 55;
+  camera.cx = 30.25;
+  camera.cy = 24.5;
+  return camera;
+}
+
+// Two triangles; corners in order around the border.
+Submesh quad(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& c, const Eigen::Vector3f& d) {
+  Submesh submesh;
+  submesh.positions = {a, b, c, d};
+  submesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return submesh;
+}
+
+Submesh facing_square(float half, float z) {
+  return quad({-half, -half, z}, {half, -half, z}, {half, half, z}, {-half, half, z});
+}
+
+Model model_of(std::vector<Submesh> submeshes) {
+  Model model;
+  NodeId id = 1;
+  for (auto& submesh : submeshes) {
+    model.nodes.push_back(make_node(id, "node", std::move(submesh)));
+    ++id;
+  }
+  return model;
+}
+
+class SceneRendererTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    auto context = GpuContext::create_headless();
+    ASSERT_TRUE(context) << context.error().message;
+    context_ = std::move(*context);
+    auto renderer = SceneRenderer::create(*context_);
+    ASSERT_TRUE(renderer) << renderer.error().message;
+    renderer_ = std::move(*renderer);
+    view_.camera = small_camera();
+  }
+  void TearDown() override {
+    if (context_ != nullptr) {
+      EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
+    }
+  }
+  void render(const Model& model) { renderer_->render(model, view_); }
+
+  std::unique_ptr<GpuContext> context_;
+  std::unique_ptr<SceneRenderer> renderer_;
+  SceneView view_;
+};
+
+TEST_F(SceneRendererTest, EmptyModelLeavesNothing) {
+  render(Model{});
+  const auto depth_image = renderer_->read_depth();
+  for (const float z : depth_image.pixels()) EXPECT_EQ(z, 0.0F);
+  const auto nodes_image = renderer_->read_nodes();
+  for (const auto node : nodes_image.pixels()) EXPECT_EQ(node, 0U);
+}
+
+TEST_F(SceneRendererTest, CoversThePixelsWhoseCentreProjectsInside) {
+  render(model_of({facing_square(0.3F, 1.5F)}));
+  const auto depth = renderer_->read_depth();
+  const Camera camera = view_.camera;
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const Eigen::Vector3d p = camera.back_project(u, v, 1.5);
+      const double outside = p.head<2>().cwiseAbs().maxCoeff() - 0.3;
+      if (std::abs(outside) < 1e-4) continue;
+      EXPECT_NEAR(depth(u, v), outside < 0 ? 1.5 : 0.0, 2e-6) << u << ", " << v;
+    }
+  }
+}
+
+TEST_F(SceneRendererTest, RowZeroIsTheTop) {
+  // Above the optical axis: y points down in the camera's frame.
+  render(model_of({quad({-1, -1, 1}, {1, -1, 1}, {1, -0.2F, 1}, {-1, -0.2F, 1})}));
+  const auto depth = renderer_->read_depth();
+  EXPECT_GT(depth(30, 0), 0.0F);
+  EXPECT_EQ(depth(30, 47), 0.0F);
+}
+
+TEST_F(SceneRendererTest, DepthOfASlantedPlaneIsExactAlongTheAxis) {
+  // z = 2 + 0.8 x - 0.5 y: steep, so that interpolation without perspective would be centimetres off.
+  const auto at = [](float x, float y) { return Eigen::Vector3f(x, y, 2 + 0.8F * x - 0.5F * y); };
+  render(model_of({quad(at(-3, -3), at(3, -3), at(3, 3), at(-3, 3))}));
+  const auto depth = renderer_->read_depth();
+  const Camera camera = view_.camera;
+  int seen = 0;
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const Eigen::Vector3d ray = camera.back_project(u, v, 1);
+      const double z = 2 / (1 - 0.8 * ray.x() + 0.5 * ray.y());
+      if (z < 0.5 || z > 3) continue;
+      EXPECT_NEAR(depth(u, v), z, 1e-5) << u << ", " << v;
+      ++seen;
+    }
+  }
+  EXPECT_GT(seen, 2000);
+}
+
+TEST_F(SceneRendererTest, OneMillimetreAtThreeMetresDecides) {
+  // The nearer one is drawn first, then last: order must not matter.
+  for (const bool nearer_first : {true, false}) {
+    auto nearer = facing_square(2, 2.999F);
+    auto farther = facing_square(2, 3);
+    if (nearer_first) {
+      render(model_of({nearer, farther}));
+    } else {
+      render(model_of({farther, nearer}));
+    }
+    const std::uint32_t expected = nearer_first ? 1 : 2;
+    const auto nodes_image = renderer_->read_nodes();
+    for (const auto node : nodes_image.pixels()) ASSERT_EQ(node, expected);
+  }
+}
+
+TEST_F(SceneRendererTest, PoseFarFromTheOriginMovesNothing) {
+  Model model = model_of({facing_square(0.3F, 1.5F)});
+  render(model);
+  const auto near_origin = renderer_->read_depth();
+  Pose T_far = Pose::Identity();
+  T_far.translation() = Eigen::Vector3d(8000, -3000, 900);
+  T_far.linear() = Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  model.nodes[0].T_world_node = T_far;
+  view_.T_camera_world = T_far.inverse();
+  render(model);
+  const auto far_away = renderer_->read_depth();
+  for (std::size_t i = 0; i < near_origin.size(); ++i) {
+    ASSERT_NEAR(near_origin.pixels()[i], far_away.pixels()[i], 2e-6);
+  }
+}
+
+TEST_F(SceneRendererTest, NodeIndexCountsFromOneInTheModelsOrder) {
+  auto model = model_of({facing_square(0.1F, 1), facing_square(0.1F, 1)});
+  model.nodes[0].T_world_node.translation() = Eigen::Vector3d(-0.2, 0, 0);
+  model.nodes[1].T_world_node.translation() = Eigen::Vector3d(0.2, 0, 0);
+  render(model);
+  const auto nodes = renderer_->read_nodes();
+  EXPECT_EQ(nodes(18, 24), 1U);
+  EXPECT_EQ(nodes(30, 24), 0U);
+  EXPECT_EQ(nodes(42, 24), 2U);
+}
+
+TEST_F(SceneRendererTest, ColorIsTheVerticesOwnAndMaskSaysWhereThereIsOne) {
+  auto colored = facing_square(0.1F, 1);
+  colored.colors.assign(4, kRed);
+  auto model = model_of({colored, facing_square(0.1F, 1)});
+  model.nodes[0].T_world_node.translation() = Eigen::Vector3d(-0.2, 0, 0);
+  model.nodes[1].T_world_node.translation() = Eigen::Vector3d(0.2, 0, 0);
+  render(model);
+  GreyImage mask;
+  const auto color = renderer_->read_color(&mask);
+  EXPECT_EQ(color(18, 24), kRed);
+  EXPECT_EQ(mask(18, 24), 255);
+  EXPECT_EQ(mask(30, 24), 0);
+  EXPECT_NEAR(color(42, 24).g, 128, 1);
+  EXPECT_EQ(mask(42, 24), 0);
+}
+
+TEST_F(SceneRendererTest, BothSidesAreDrawn) {
+  auto square = facing_square(1, 1);
+  for (auto& triangle : square.triangles) std::swap(triangle[1], triangle[2]);
+  render(model_of({square}));
+  EXPECT_FLOAT_EQ(renderer_->read_depth()(30, 24), 1.0F);
+}
+
+TEST_F(SceneRendererTest, SurfaceThroughTheCameraIsCutAtTheNearPlane) {
+  // The floor below the camera reaches behind it.
+  render(model_of({quad({-5, 0.5F, -5}, {5, 0.5F, -5}, {5, 0.5F, 20}, {-5, 0.5F, 20})}));
+  const auto depth = renderer_->read_depth();
+  const double z = 0.5 * view_.camera.fy / (47 - view_.camera.cy);
+  EXPECT_NEAR(depth(30, 47), z, 1e-5);
+  EXPECT_EQ(depth(30, 0), 0.0F);
+}
+
+TEST_F(SceneRendererTest, TargetsFollowTheCamerasSize) {
+  const auto model = model_of({facing_square(3, 1)});
+  render(model);
+  view_.camera.width = 200;
+  view_.camera.height = 17;
+  render(model);
+  const auto depth = renderer_->read_depth();
+  EXPECT_EQ(depth.width(), 200);
+  EXPECT_EQ(depth.height(), 17);
+  EXPECT_FLOAT_EQ(depth(199, 0), 1.0F);
+}
+
+TEST_F(SceneRendererTest, StateLeftByOthersDoesNotMatter) {
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(0, 0, 1, 1);
+  glEnable(GL_CULL_FACE);
+  glCullFace(GL_FRONT_AND_BACK);
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+  glDepthMask(GL_FALSE);
+  glDepthFunc(GL_NEVER);
+  render(model_of({facing_square(3, 1)}));
+  const auto depth_image = renderer_->read_depth();
+  for (const float z : depth_image.pixels()) ASSERT_FLOAT_EQ(z, 1.0F);
+}
+
+TEST_F(SceneRendererTest, TwoRenderersInTwoContextsDoNotMeet) {
+  auto other_context = GpuContext::create_headless();
+  ASSERT_TRUE(other_context);
+  auto other = SceneRenderer::create(**other_context);
+  ASSERT_TRUE(other);
+  render(model_of({facing_square(3, 1)}));
+  (*other)->render(model_of({facing_square(3, 2)}), view_);
+  EXPECT_FLOAT_EQ(renderer_->read_depth()(3, 3), 1.0F);
+  EXPECT_FLOAT_EQ((*other)->read_depth()(3, 3), 2.0F);
+  other->reset();
+  EXPECT_FLOAT_EQ(renderer_->read_depth()(3, 3), 1.0F);
+}
+
+TEST_F(SceneRendererTest, NodesOutsideTheViewLeaveTheOthersAlone) {
+  auto model = model_of({facing_square(0.1F, -1), facing_square(0.1F, 80), facing_square(0.1F, 1)});
+  model.nodes.push_back(model.nodes[2]);
+  model.nodes[3].T_world_node.translation() = Eigen::Vector3d(50, 0, 0);
+  render(model);
+  EXPECT_EQ(renderer_->read_nodes()(30, 24), 3U);
+}
+
+TEST(MeshCache, UploadsASharedSubmeshOnceAndFreesWhatIsGone) {
+  auto context = GpuContext::create_headless();
+  ASSERT_TRUE(context);
+  MeshCache cache;
+  Model model = model_of({facing_square(1, 1), facing_square(1, 2)});
+  model.nodes.push_back(model.nodes[0]);
+  cache.update(model);
+  EXPECT_EQ(cache.size(), 2U);
+  EXPECT_EQ(cache.mesh_of(model.nodes[0]).index_count, 6);
+  const unsigned kept = cache.mesh_of(model.nodes[1]).position_buffer;
+  const unsigned freed = cache.mesh_of(model.nodes[0]).position_buffer;
+  Model next;
+  next.nodes.push_back(model.nodes[1]);
+  cache.update(next);
+  EXPECT_EQ(cache.size(), 1U);
+  EXPECT_EQ(cache.mesh_of(model.nodes[1]).position_buffer, kept);
+  EXPECT_FALSE(glIsBuffer(freed));
+  EXPECT_EQ(cache.mesh_of(model.nodes[0]).index_count, 0);
+}
+
+}  // namespace
+}  // namespace meshloop
