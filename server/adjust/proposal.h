@@ -2,6 +2,7 @@
 // From a snapshot (frame, pose, comparison, regions) to proposed edits of the model.
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/result.h"
@@ -35,6 +36,8 @@ struct Proposal {
   double largest_change_m = 0;
   /// "+96 triangles; largest change 21 mm"
   std::string effect;
+  /// For `merge_edits`: the triangles that go, by node, in the order of the node's submesh in the snapshot's model.
+  std::vector<std::pair<NodeId, std::vector<bool>>> removed;
 };
 
 struct AdjustOptions {
@@ -43,17 +46,25 @@ struct AdjustOptions {
   double discontinuity_sigmas = 4;
   /// Connected patches with fewer triangles are dropped.
   std::size_t min_patch_triangles = 20;
+  /// One bilateral pass over the depth of an inserted patch; skipped for sensors with a constant sigma below 1.5 mm.
+  bool smooth = true;
 };
 
-/// Proposals for the confirmed regions. `next_node_id` is the first free id; proposals take consecutive ones. Proposals of
-/// one snapshot may be accepted in any subset: edits of the same node are merged by `merge_edits`.
-[[nodiscard]] std::vector<Proposal> propose(const Snapshot& snapshot, NodeId next_node_id, const AdjustOptions& options);
+/// Proposals for the confirmed regions. `next_node_id` is the first free id; proposals take consecutive ones. Proposals
+/// of one snapshot may be accepted in any subset: edits of the same node are merged by `merge_edits`. None when the
+/// depth pose is lost or the snapshot's images do not have the depth camera's size; a region without effect has no
+/// proposal.
+[[nodiscard]] std::vector<Proposal> propose(const Snapshot& snapshot, NodeId next_node_id,
+                                            const AdjustOptions& options);
 
 /// Edits of several accepted proposals as one list that `apply` takes: several removals from one node become one.
+/// Refuses proposals that were made for another revision of the model.
 [[nodiscard]] Result<std::vector<Edit>> merge_edits(const Model& model, const std::vector<Proposal>& accepted);
 
-/// The depth grid of a region as a submesh in the world, coloured from the colour image, on the scene's lattice. Positions
-/// follow equations 2 and 3 of the design; colours equation 4, grey where the colour camera does not see the point.
+/// The depth grid of a region as a submesh in the world, coloured from the colour image, on the scene's lattice.
+/// Positions follow equations 2 and 3 of the design; colours equation 4. A point that the colour camera does not see
+/// takes the colour of the nearest one of the patch that it does see, or mid grey. No triangles when nothing is to be
+/// inserted.
 [[nodiscard]] Submesh insertion_patch(const Snapshot& snapshot, RegionId region, const AdjustOptions& options);
 
 }  // namespace meshloop

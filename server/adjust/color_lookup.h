@@ -1,0 +1,34 @@
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "server/adjust/proposal.h"
+
+namespace meshloop::adjust {
+
+/// What the colour camera sees of points in the depth camera's frame (equation 4), with visibility between the two
+/// cameras resolved: all measured surfaces are drawn into a depth buffer of the colour camera first.
+class ColorLookup {
+ public:
+  /// The snapshot's frame must outlive this.
+  explicit ColorLookup(const Snapshot& snapshot);
+
+  /// Bilinear; nothing where the point lies outside the colour image, or behind another measured surface by more than
+  /// three sigma and what two neighbouring pixels of one surface can differ.
+  [[nodiscard]] std::optional<Rgb8> color_of(const Eigen::Vector3f& p_depth, float sigma_m) const;
+
+ private:
+  void draw(const DepthImage& measured, const Camera& depth);
+  [[nodiscard]] std::optional<Rgb8> bilinear(float u, float v) const;
+
+  const ColorImage* color_;
+  Camera camera_;
+  Eigen::Matrix3f R_color_depth_;
+  Eigen::Vector3f t_color_depth_;
+  /// Cells of the buffer per pixel of the colour image: a cell is about as wide as a depth pixel.
+  float scale_ = 1;
+  float step_per_m_ = 0;
+  DepthImage nearest_;
+};
+
+}  // namespace meshloop::adjust

@@ -1,0 +1,66 @@
+#pragma once
+// A window of the depth image, and the triangles between its pixels. Flat arrays, row by row.
+#include <cstdint>
+#include <vector>
+
+#include "common/change/comparison.h"
+#include "common/change/region.h"
+#include "common/geometry/camera.h"
+#include "common/geometry/sensor_model.h"
+#include "common/image/image.h"
+#include "common/mesh/submesh.h"
+
+namespace meshloop::adjust {
+
+/// Columns x0 to x1 - 1, rows y0 to y1 - 1 of an image.
+struct Window {
+  int x0 = 0;
+  int y0 = 0;
+  int x1 = 0;
+  int y1 = 0;
+  [[nodiscard]] int width() const { return x1 - x0; }
+  [[nodiscard]] int height() const { return y1 - y0; }
+  [[nodiscard]] bool empty() const { return x1 <= x0 || y1 <= y0; }
+  [[nodiscard]] std::size_t size() const {
+    return empty() ? 0 : static_cast<std::size_t>(width()) * static_cast<std::size_t>(height());
+  }
+};
+
+/// The pixels of a region and one more to each side; empty when the region has none.
+[[nodiscard]] Window window_of(const Image<RegionId>& ids, RegionId region);
+
+/// What a pixel is to a patch.
+enum class Role : std::uint8_t { outside, rim, member };
+
+/// Depths of a window, with their role in a patch.
+struct DepthGrid {
+  Window window;
+  /// Metres; 0 where the role is outside.
+  std::vector<float> z;
+  /// Sensor noise in metres, frontal view; 0 where the role is outside.
+  std::vector<float> sigma;
+  std::vector<Role> role;
+};
+
+/// Members are the region's pixels that ask for an insertion; the rim is what agrees or is undecided right beside them.
+[[nodiscard]] DepthGrid select_patch(const Comparison& comparison, const DepthImage& measured,
+                                     const Image<RegionId>& ids, RegionId region, const SensorModel& sensor);
+
+/// One bilateral pass over the members: neighbours in a 5x5 window count less the farther away they are, and not at all
+/// beyond three sigma of depth. `measured` is the whole frame, so that a patch's border is smoothed like its middle.
+void smooth(DepthGrid& grid, const DepthImage& measured);
+
+/// Triangles between neighbouring pixels, with positions in the window as indices; counter-clockwise towards the
+/// camera. Left out: edges across depth discontinuities (see AdjustOptions), and triangles without a member.
+[[nodiscard]] std::vector<Triangle> triangulate(const DepthGrid& grid, const Camera& camera,
+                                                double discontinuity_sigmas);
+
+/// Drops the triangles of connected patches (sharing a vertex) with fewer than `smallest` triangles.
+[[nodiscard]] std::vector<Triangle> without_small_pieces(const std::vector<Triangle>& triangles,
+                                                         std::size_t vertex_count, std::size_t smallest);
+
+/// Depth by which a surface seen at 80 degrees changes from one pixel to the next, per metre of distance and for a
+/// focal length of one pixel.
+inline constexpr double kSteepest = 5.671281819617709;  // tan(80 degrees)
+
+}  // namespace meshloop::adjust

@@ -1,0 +1,69 @@
+#include "server/adjust/loose_pieces.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace meshloop::adjust {
+namespace {
+
+// Vertices at the same place get the same number: meshes with sharp edges repeat their positions.
+std::vector<std::uint32_t> weld(const std::vector<Eigen::Vector3f>& positions) {
+  std::vector<std::uint32_t> order(positions.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto key = [&](std::uint32_t i) {
+    return std::array<float, 3>{positions[i].x(), positions[i].y(), positions[i].z()};
+  };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+  std::vector<std::uint32_t> welded(positions.size());
+  std::uint32_t first = 0;
+  for (const auto i : order) {
+    if (key(first) != key(i) || i == order.front()) first = i;
+    welded[i] = first;
+  }
+  return welded;
+}
+
+std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+/// What is known of a piece, by its root vertex.
+struct Piece {
+  std::size_t triangles = 0;
+  bool in_clear_sight = true;
+  /// A region that removed a neighbour; 0 when none did.
+  RegionId neighbour = 0;
+};
+
+}  // namespace
+
+void take_loose_pieces(const Submesh& submesh, const std::vector<Sighting>& vertices, std::size_t smallest,
+                       std::vector<RegionId>& marks) {
+  if (std::all_of(marks.begin(), marks.end(), [](RegionId id) { return id == 0; })) return;
+  const auto welded = weld(submesh.positions);
+  std::vector<std::uint32_t> parent(welded.size());
+  std::iota(parent.begin(), parent.end(), 0u);
+  for (std::size_t t = 0; t < marks.size(); ++t) {
+    if (marks[t] != 0) continue;
+    const auto root = root_of(parent, welded[submesh.triangles[t][0]]);
+    for (const auto i : submesh.triangles[t]) parent[root_of(parent, welded[i])] = root;
+  }
+  std::vector<Piece> pieces(welded.size());
+  for (std::size_t t = 0; t < marks.size(); ++t) {
+    for (const auto i : submesh.triangles[t]) {
+      Piece& piece = pieces[root_of(parent, welded[i])];
+      if (marks[t] != 0) piece.neighbour = marks[t];
+      if (marks[t] == 0 && vertices[i].sight != Sight::clear) piece.in_clear_sight = false;
+    }
+    if (marks[t] == 0) ++pieces[root_of(parent, welded[submesh.triangles[t][0]])].triangles;
+  }
+  for (std::size_t t = 0; t < marks.size(); ++t) {
+    if (marks[t] != 0) continue;
+    const Piece& piece = pieces[root_of(parent, welded[submesh.triangles[t][0]])];
+    if (piece.triangles < smallest && piece.in_clear_sight) marks[t] = piece.neighbour;
+  }
+}
+
+}  // namespace meshloop::adjust

@@ -1,0 +1,172 @@
+#include "server/adjust/patch.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <span>
+
+#include "common/mesh/lattice.h"
+#include "server/adjust/depth_grid.h"
+
+namespace meshloop::adjust {
+namespace {
+
+constexpr Rgb8 kGrey{128, 128, 128};
+constexpr auto kUnused = std::numeric_limits<std::uint32_t>::max();
+
+// Smoothing a sensor that is nearly free of noise would only round its edges.
+bool worth_smoothing(const SensorModel& sensor) {
+  return sensor.kind() != SensorModel::Kind::constant || sensor.constant_m() >= 0.0015;
+}
+
+/// The used pixels of a grid, numbered.
+struct Vertices {
+  std::vector<std::uint32_t> pixels;
+  /// kUnused where a pixel is no vertex.
+  std::vector<std::uint32_t> number_of_pixel;
+};
+
+Vertices number_vertices(const std::vector<Triangle>& triangles, std::size_t pixel_count) {
+  Vertices vertices;
+  vertices.number_of_pixel.assign(pixel_count, kUnused);
+  for (const auto& triangle : triangles) {
+    for (const auto i : triangle) vertices.number_of_pixel[i] = 0;
+  }
+  for (std::size_t i = 0; i < pixel_count; ++i) {
+    if (vertices.number_of_pixel[i] == kUnused) continue;
+    vertices.number_of_pixel[i] = static_cast<std::uint32_t>(vertices.pixels.size());
+    vertices.pixels.push_back(static_cast<std::uint32_t>(i));
+  }
+  return vertices;
+}
+
+std::vector<Eigen::Vector3f> back_project(const DepthGrid& grid, const Camera& camera, const Vertices& vertices) {
+  std::vector<Eigen::Vector3f> points;
+  points.reserve(vertices.pixels.size());
+  const auto w = static_cast<std::uint32_t>(grid.window.width());
+  for (const auto i : vertices.pixels) {
+    const auto u = static_cast<float>(static_cast<int>(i % w) + grid.window.x0 - camera.cx);
+    const auto v = static_cast<float>(static_cast<int>(i / w) + grid.window.y0 - camera.cy);
+    const float z = grid.z[i];
+    points.emplace_back(u * z / static_cast<float>(camera.fx), v * z / static_cast<float>(camera.fy), z);
+  }
+  return points;
+}
+
+// Breadth first over the pixel grid, from all coloured vertices at once: each other one takes the nearest one's colour.
+void spread_colors(const DepthGrid& grid, const Vertices& vertices, std::vector<bool>& colored,
+                   std::vector<Rgb8>& colors) {
+  const int w = grid.window.width();
+  std::vector<std::uint32_t> queue;
+  queue.reserve(vertices.pixels.size());
+  for (std::size_t n = 0; n < colors.size(); ++n) {
+    if (colored[n]) queue.push_back(vertices.pixels[n]);
+  }
+  for (std::size_t head = 0; head < queue.size(); ++head) {
+    const auto from = vertices.number_of_pixel[queue[head]];
+    const int x = static_cast<int>(queue[head]) % w;
+    const int y = static_cast<int>(queue[head]) / w;
+    for (int k = 0; k < 9; ++k) {
+      const int nx = x + k % 3 - 1;
+      const int ny = y + k / 3 - 1;
+      if (nx < 0 || ny < 0 || nx >= w || ny >= grid.window.height()) continue;
+      const auto pixel = static_cast<std::uint32_t>(ny * w + nx);
+      const auto to = vertices.number_of_pixel[pixel];
+      if (to == kUnused || colored[to]) continue;
+      colored[to] = true;
+      colors[to] = colors[from];
+      queue.push_back(pixel);
+    }
+  }
+}
+
+std::vector<Rgb8> color_vertices(const DepthGrid& grid, const Vertices& vertices,
+                                 const std::vector<Eigen::Vector3f>& points, const ColorLookup& lookup) {
+  std::vector<Rgb8> colors(points.size(), kGrey);
+  std::vector<bool> colored(points.size(), false);
+  bool all = true;
+  for (std::size_t n = 0; n < points.size(); ++n) {
+    const auto color = lookup.color_of(points[n], grid.sigma[vertices.pixels[n]]);
+    colored[n] = color.has_value();
+    if (color) colors[n] = *color;
+    all = all && color;
+  }
+  if (!all) spread_colors(grid, vertices, colored, colors);
+  return colors;
+}
+
+}  // namespace
+
+Status validate(const Snapshot& snapshot) {
+  if (!snapshot.model || !snapshot.frame || !snapshot.rig || !snapshot.comparison || !snapshot.regions) {
+    return fail("the snapshot is not complete");
+  }
+  if (snapshot.depth_pose.state == TrackState::lost || !is_rigid(snapshot.depth_pose.T_camera_world)) {
+    return fail("the depth camera's pose is lost; nothing is written to the model");
+  }
+  const Camera& camera = snapshot.rig->depth;
+  const auto fits = [&](const auto& image) { return image.width() == camera.width && image.height() == camera.height; };
+  const Comparison& c = *snapshot.comparison;
+  if (!fits(snapshot.frame->depth) || !fits(c.labels) || !fits(c.expected) || !fits(c.node_index) ||
+      !fits(c.threshold_m) || !fits(snapshot.regions->ids)) {
+    return fail("an image of the snapshot has another size than the rig's depth camera");
+  }
+  return validate(*snapshot.rig);
+}
+
+Submesh make_patch(const Snapshot& snapshot, RegionId region, const AdjustOptions& options, const ColorLookup& colors) {
+  const Rig& rig = *snapshot.rig;
+  DepthGrid grid = select_patch(*snapshot.comparison, snapshot.frame->depth, snapshot.regions->ids, region, rig.sensor);
+  if (grid.window.empty()) return {};
+  if (options.smooth && worth_smoothing(rig.sensor)) smooth(grid, snapshot.frame->depth);
+  auto triangles = triangulate(grid, rig.depth, options.discontinuity_sigmas);
+  triangles = without_small_pieces(triangles, grid.z.size(), options.min_patch_triangles);
+
+  Submesh patch;
+  const Vertices vertices = number_vertices(triangles, grid.z.size());
+  const auto points = back_project(grid, rig.depth, vertices);
+  patch.colors = color_vertices(grid, vertices, points, colors);
+  const Eigen::Isometry3f T_world_depth = snapshot.depth_pose.T_camera_world.inverse().cast<float>();
+  patch.positions.reserve(points.size());
+  for (const auto& p : points) patch.positions.push_back(T_world_depth * p);
+  for (auto& triangle : triangles) {
+    for (auto& i : triangle) i = vertices.number_of_pixel[i];
+  }
+  patch.triangles = std::move(triangles);
+  return snap_to_lattice(patch);
+}
+
+std::vector<Submesh> split(const Submesh& submesh, std::size_t max_triangles) {
+  if (submesh.triangles.size() <= max_triangles || max_triangles == 0) return {submesh};
+  const auto center = [&](std::size_t t) {
+    const auto& [a, b, c] = submesh.triangles[t];
+    return Eigen::Vector3f(submesh.positions[a] + submesh.positions[b] + submesh.positions[c]);
+  };
+  Eigen::AlignedBox3f box;
+  for (std::size_t t = 0; t < submesh.triangles.size(); ++t) box.extend(center(t));
+  Eigen::Index axis = 0;
+  box.sizes().maxCoeff(&axis);
+  std::vector<std::size_t> order(submesh.triangles.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto middle = order.begin() + static_cast<std::ptrdiff_t>(order.size() / 2);
+  std::nth_element(order.begin(), middle, order.end(),
+                   [&](std::size_t a, std::size_t b) { return center(a)[axis] < center(b)[axis]; });
+  std::vector<bool> first(order.size(), false);
+  for (auto it = order.begin(); it != middle; ++it) first[*it] = true;
+  auto pieces = split(keep_triangles(submesh, first), max_triangles);
+  first.flip();
+  auto others = split(keep_triangles(submesh, first), max_triangles);
+  std::move(others.begin(), others.end(), std::back_inserter(pieces));
+  return pieces;
+}
+
+}  // namespace meshloop::adjust
+
+namespace meshloop {
+
+Submesh insertion_patch(const Snapshot& snapshot, RegionId region, const AdjustOptions& options) {
+  if (!adjust::validate(snapshot)) return {};
+  return adjust::make_patch(snapshot, region, options, adjust::ColorLookup{snapshot});
+}
+
+}  // namespace meshloop

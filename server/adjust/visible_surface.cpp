@@ -1,0 +1,94 @@
+#include "server/adjust/visible_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "server/adjust/depth_grid.h"
+
+namespace meshloop::adjust {
+namespace {
+
+constexpr double kSmallestTolerance_m = 0.002;
+
+}  // namespace
+
+VisibleSurface::VisibleSurface(const Snapshot& snapshot) : snapshot_{&snapshot} {
+  for (const auto& region : snapshot.regions->regions) {
+    if (region.confirmed && region.kind == ChangeKind::removal) removal_ids_.push_back(region.id);
+  }
+  std::sort(removal_ids_.begin(), removal_ids_.end());
+}
+
+std::vector<std::size_t> VisibleSurface::nodes_in_removal_regions() const {
+  const auto ids = snapshot_->regions->ids.pixels();
+  const auto nodes = snapshot_->comparison->node_index.pixels();
+  std::vector<bool> seen(snapshot_->model->nodes.size(), false);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (ids[i] == 0 || nodes[i] == 0 || nodes[i] > seen.size()) continue;
+    if (std::binary_search(removal_ids_.begin(), removal_ids_.end(), ids[i])) seen[nodes[i] - 1] = true;
+  }
+  std::vector<std::size_t> positions;
+  for (std::size_t n = 0; n < seen.size(); ++n) {
+    if (seen[n]) positions.push_back(n);
+  }
+  return positions;
+}
+
+// The gradient is the smaller of the two one-sided differences on the same node, so that a silhouette does not count as
+// a slope; and no surface is steeper than 80 degrees.
+double VisibleSurface::tolerance(int x, int y) const {
+  const Comparison& c = *snapshot_->comparison;
+  const Camera& camera = snapshot_->rig->depth;
+  const double z = c.expected(x, y);
+  const auto difference = [&](int nx, int ny, double steepest) {
+    const bool inside = nx >= 0 && ny >= 0 && nx < camera.width && ny < camera.height;
+    if (!inside || c.node_index(nx, ny) != c.node_index(x, y)) return steepest;
+    return std::min(steepest, std::abs(c.expected(nx, ny) - z));
+  };
+  const double across = z * kSteepest / camera.fx;
+  const double down = z * kSteepest / camera.fy;
+  const double gradient = std::min(difference(x - 1, y, across), difference(x + 1, y, across)) +
+                          std::min(difference(x, y - 1, down), difference(x, y + 1, down));
+  return std::max(kSmallestTolerance_m, 3 * gradient);
+}
+
+bool VisibleSurface::shows(int x, int y, std::uint32_t node_index, double z) const {
+  const Comparison& c = *snapshot_->comparison;
+  return c.node_index(x, y) == node_index && std::abs(c.expected(x, y) - z) <= tolerance(x, y);
+}
+
+// Unmeasured is never evidence.
+RegionId VisibleSurface::region_that_sees_through(int x, int y, double z) const {
+  const RegionId id = snapshot_->regions->ids(x, y);
+  if (id == 0 || !std::binary_search(removal_ids_.begin(), removal_ids_.end(), id)) return 0;
+  const double measured = snapshot_->frame->depth(x, y);
+  const double threshold = snapshot_->comparison->threshold_m(x, y);
+  const bool through = measured > 0 && measured - z > threshold;
+  return through ? id : 0;
+}
+
+Sighting VisibleSurface::look_at(const Eigen::Vector3d& p_world, std::size_t node_position) const {
+  const Eigen::Vector3d p = snapshot_->depth_pose.T_camera_world * p_world;
+  if (!(p.z() > 0.01)) return {};
+  const Camera& camera = snapshot_->rig->depth;
+  const Eigen::Vector2d pixel = camera.project(p);
+  if (!camera.contains(pixel)) return {};
+  const auto node_index = static_cast<std::uint32_t>(node_position + 1);
+  // The nearest pixel first. At a silhouette it may show what lies behind: then the next nearest of the four around.
+  const int x = static_cast<int>(std::lround(pixel.x()));
+  const int y = static_cast<int>(std::lround(pixel.y()));
+  const int other_x = pixel.x() > x ? x + 1 : x - 1;
+  const int other_y = pixel.y() > y ? y + 1 : y - 1;
+  const std::array<std::array<int, 2>, 4> around{{{x, y}, {other_x, y}, {x, other_y}, {other_x, other_y}}};
+  bool hidden = true;
+  for (const auto& [u, v] : around) {
+    if (u < 0 || v < 0 || u >= camera.width || v >= camera.height) continue;
+    if (shows(u, v, node_index, p.z())) return {Sight::clear, region_that_sees_through(u, v, p.z())};
+    const double expected = snapshot_->comparison->expected(u, v);
+    hidden = hidden && expected > 0 && p.z() > expected + tolerance(u, v);
+  }
+  return {hidden ? Sight::hidden : Sight::clear, 0};
+}
+
+}  // namespace meshloop::adjust
