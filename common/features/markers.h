@@ -1,6 +1,6 @@
 #pragma once
-// Square markers in an image, and the camera's pose from them. The only user of OpenCV's aruco module (its API changes at
-// OpenCV 4.7).
+// Square markers in an image, and the camera's pose from them. The only user of OpenCV's aruco module (its API changes
+// at OpenCV 4.7).
 #include <array>
 #include <memory>
 #include <optional>
@@ -34,9 +34,9 @@ class MarkerDetector {
   std::shared_ptr<const Dictionary> dictionary_;
 };
 
-/// Pose from all sightings of known markers together. A single marker seen nearly frontally has two poses that fit: the one
-/// nearer to `prior` wins, and without a prior the better one, and only if it is clearly better. Nothing when no known
-/// marker is seen or the pose is ambiguous.
+/// Pose from all sightings of known markers together. A single marker seen nearly frontally has two poses that fit: the
+/// one nearer to `prior` wins, and without a prior the better one, and only if it is clearly better. Nothing when no
+/// known marker is seen or the pose is ambiguous.
 [[nodiscard]] std::optional<RobustPose> pose_from_markers(const std::vector<MarkerSighting>& sightings,
                                                           const MarkerMap& map, const Camera& camera,
                                                           const std::optional<Pose>& prior);

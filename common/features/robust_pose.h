@@ -32,8 +32,8 @@ struct RobustPose {
   double rms_px = 0;
 };
 
-/// Iteratively reweighted Gauss-Newton on SE(3) (Tukey's weights, analytic Jacobians) from a start that is nearly right.
-/// Nothing when too few points agree, or when they do not fix all six degrees of freedom.
+/// Iteratively reweighted Gauss-Newton on SE(3) (Tukey's weights, analytic Jacobians) from a start that is nearly
+/// right. Nothing when too few points agree, or when they do not fix all six degrees of freedom.
 [[nodiscard]] std::optional<RobustPose> refine_pose(const std::vector<PointObservation>& points, const Camera& camera,
                                                     const Pose& start, const RobustPoseOptions& options);
 

@@ -1,0 +1,138 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "common/features/closed_form_pose.h"
+#include "common/features/markers.h"
+
+namespace meshloop {
+namespace {
+
+// Of a refined corner; measured, see the README.
+constexpr double kCornerSigmaPx = 0.1;
+// Beyond this a corner contradicts the others: its marker was moved, or is not the one it seems to be.
+constexpr double kContradictionPx = 5;
+// Two poses this near are the same minimum.
+constexpr double kSameAngle = 0.01;
+constexpr double kSameShift = 0.01;
+// The better of two poses is clearly better when its corners' squared residuals are lower by this much, in units of
+// their variance: e^-10 for normal noise.
+constexpr double kClearlyBetter = 20;
+
+const Marker* find_marker(const MarkerMap& map, int id) {
+  const auto found = std::find_if(map.markers.begin(), map.markers.end(), [id](const Marker& m) { return m.id == id; });
+  return found == map.markers.end() ? nullptr : &*found;
+}
+
+struct KnownSighting {
+  const Marker* marker;
+  const MarkerSighting* sighting;
+};
+
+std::vector<KnownSighting> known_of(const std::vector<MarkerSighting>& sightings, const MarkerMap& map) {
+  std::vector<KnownSighting> known;
+  for (const MarkerSighting& sighting : sightings) {
+    const auto finite = [](const Eigen::Vector2d& p) { return p.allFinite(); };
+    if (!std::all_of(sighting.pixels.begin(), sighting.pixels.end(), finite)) continue;
+    if (const Marker* marker = find_marker(map, sighting.id)) known.push_back({marker, &sighting});
+  }
+  return known;
+}
+
+// The marker's own frame as poses_from_square has it.
+Pose frame_of(const Marker& marker) {
+  const auto& c = marker.corners;
+  const Eigen::Vector3d x = (c[1] + c[2] - c[0] - c[3]).normalized();
+  const Eigen::Vector3d z = x.cross(c[0] + c[1] - c[2] - c[3]).normalized();
+  Pose T_world_marker = Pose::Identity();
+  T_world_marker.linear().col(0) = x;
+  T_world_marker.linear().col(1) = z.cross(x);
+  T_world_marker.linear().col(2) = z;
+  T_world_marker.translation() = (c[0] + c[1] + c[2] + c[3]) / 4;
+  return T_world_marker;
+}
+
+std::vector<Pose> poses_from_one(const KnownSighting& known, const Camera& camera) {
+  const double side_m = (known.marker->corners[1] - known.marker->corners[0]).norm();
+  const Pose T_marker_world = frame_of(*known.marker).inverse();
+  std::vector<Pose> poses = poses_from_square(side_m, known.sighting->pixels, camera);
+  for (Pose& pose : poses) pose = pose * T_marker_world;
+  return poses;
+}
+
+std::vector<PointObservation> observations_of(const std::vector<KnownSighting>& known) {
+  std::vector<PointObservation> points;
+  for (const auto& [marker, sighting] : known) {
+    for (std::size_t k = 0; k < 4; ++k) points.push_back({marker->corners[k], sighting->pixels[k], kCornerSigmaPx});
+  }
+  return points;
+}
+
+bool same_minimum(const Pose& a, const Pose& b) {
+  const Pose difference = a * b.inverse();
+  const double depth = std::max(0.1, a.translation().norm());
+  return Eigen::AngleAxisd{difference.linear()}.angle() < kSameAngle &&
+         (a.inverse().translation() - b.inverse().translation()).norm() < kSameShift * depth;
+}
+
+double squares(const RobustPose& pose) {
+  return pose.rms_px * pose.rms_px * pose.inliers / (kCornerSigmaPx * kCornerSigmaPx);
+}
+
+bool better(const RobustPose& a, const RobustPose& b) {
+  return a.inliers != b.inliers ? a.inliers > b.inliers : a.rms_px < b.rms_px;
+}
+
+bool clearly_better(const RobustPose& a, const RobustPose& b) {
+  if (a.inliers != b.inliers) return a.inliers > b.inliers;
+  const double freedom = std::max(1.0, 2.0 * a.inliers - 6);
+  const double variance = std::max(1.0, squares(a) / freedom);
+  return squares(b) - squares(a) > kClearlyBetter * variance;
+}
+
+// All minima that the markers' own poses lead to, best first.
+std::vector<RobustPose> minima(const std::vector<KnownSighting>& known, const Camera& camera,
+                               const std::optional<Pose>& prior) {
+  const std::vector<PointObservation> points = observations_of(known);
+  RobustPoseOptions options;
+  options.max_error_px = kContradictionPx;
+  options.min_inliers = 4;
+  std::vector<Pose> starts;
+  if (prior) starts.push_back(*prior);
+  for (const KnownSighting& one : known) {
+    for (const Pose& pose : poses_from_one(one, camera)) starts.push_back(pose);
+  }
+  std::vector<RobustPose> found;
+  for (const Pose& start : starts) {
+    const auto pose = refine_pose(points, camera, start, options);
+    if (!pose) continue;
+    const bool new_one = std::none_of(found.begin(), found.end(), [&](const RobustPose& other) {
+      return same_minimum(other.T_camera_world, pose->T_camera_world);
+    });
+    if (new_one) found.push_back(*pose);
+  }
+  std::sort(found.begin(), found.end(), better);
+  return found;
+}
+
+}  // namespace
+
+std::optional<RobustPose> pose_from_markers(const std::vector<MarkerSighting>& sightings, const MarkerMap& map,
+                                            const Camera& camera, const std::optional<Pose>& prior) {
+  const std::vector<KnownSighting> known = known_of(sightings, map);
+  if (known.empty()) return std::nullopt;
+  std::vector<RobustPose> found = minima(known, camera, prior);
+  if (found.empty()) return std::nullopt;
+  // What is clearly worse than the best does not fit.
+  std::erase_if(found, [best = found.front()](const RobustPose& pose) { return clearly_better(best, pose); });
+  if (found.size() == 1) return found.front();
+  if (!prior) return std::nullopt;
+  const auto angle_to_prior = [&](const RobustPose& pose) {
+    return Eigen::AngleAxisd{(pose.T_camera_world * prior->inverse()).linear()}.angle();
+  };
+  return *std::min_element(found.begin(), found.end(), [&](const RobustPose& a, const RobustPose& b) {
+    return angle_to_prior(a) < angle_to_prior(b);
+  });
+}
+
+}  // namespace meshloop
