@@ -16,9 +16,9 @@ struct ModelTrackerOptions {
   int min_inliers = 15;
 };
 
-/// KLT features take their world coordinates from the model's rendered depth at the pose of the frame they were found in;
-/// the pose follows from them, and is then held to the coloured model itself: corners of the model, rendered at that pose,
-/// are found in the camera image (so errors do not add up). One thread, that of the context.
+/// KLT features take their world coordinates from the model's rendered depth at the pose of the frame they were found
+/// in; the pose follows from them, and is then held to the coloured model itself: corners of the model, rendered at
+/// that pose, are found in the camera image (so errors do not add up). One thread, that of the context.
 class ModelTracker {
  public:
   static Result<std::unique_ptr<ModelTracker>> create(GpuContext& context, const Camera& camera,

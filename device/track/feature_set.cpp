@@ -1,0 +1,125 @@
+#include "device/track/feature_set.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "common/features/klt.h"
+#include "device/track/absolute_match.h"
+
+namespace meshloop {
+namespace {
+
+constexpr double kOffSurface_m = 0.01;
+constexpr double kMaxError_px = 2;
+constexpr int kMaxContradictions = 3;
+constexpr int kPatchRadius_px = 7;
+constexpr double kMinSimilarity = 0.5;
+
+std::optional<Eigen::Vector2d> projection(const Camera& camera, const Pose& T_camera_world,
+                                          const Eigen::Vector3d& p_world) {
+  const Eigen::Vector3d p_camera = T_camera_world * p_world;
+  if (p_camera.z() <= 0) return std::nullopt;
+  return camera.project(p_camera);
+}
+
+double error_px(const Feature& feature, const Camera& camera, const Pose& T_camera_world) {
+  const auto pixel = projection(camera, T_camera_world, feature.p_world);
+  return pixel ? (*pixel - feature.pixel).norm() : std::numeric_limits<double>::infinity();
+}
+
+/// True where the model has no colours to compare with.
+bool looks_as_modelled(const RenderedView& view, const Eigen::Vector2d& in_view, const GreyImage& contrast,
+                       const Eigen::Vector2d& pixel) {
+  const int x = static_cast<int>(std::lround(in_view.x()));
+  const int y = static_cast<int>(std::lround(in_view.y()));
+  if (x < 0 || y < 0 || x >= view.colored.width() || y >= view.colored.height()) return false;
+  if (view.contrast.empty() || view.colored(x, y) == 0) return true;
+  return patch_similarity(view.contrast, in_view, contrast, pixel, kPatchRadius_px) >= kMinSimilarity;
+}
+
+GreyImage surface_mask(const RenderedView& view) {
+  GreyImage mask{view.depth.width(), view.depth.height()};
+  std::transform(view.depth.pixels().begin(), view.depth.pixels().end(), mask.pixels().begin(),
+                 [](float depth) { return depth > 0 ? std::uint8_t{255} : std::uint8_t{0}; });
+  return mask;
+}
+
+}  // namespace
+
+FeatureSet follow(const FeatureSet& features, const GreyImage& from, const GreyImage& to, const Camera& camera,
+                  const Pose& prediction) {
+  std::vector<Eigen::Vector2d> points;
+  std::vector<Eigen::Vector2d> guesses;
+  for (const auto& feature : features) {
+    points.push_back(feature.pixel);
+    const auto guess = projection(camera, prediction, feature.p_world);
+    guesses.push_back(guess && camera.contains(*guess) ? *guess : feature.pixel);
+  }
+  const auto tracked = track_points(from, to, points, guesses, {});
+  FeatureSet followed;
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    if (!tracked[i].found) continue;
+    followed.push_back(features[i]);
+    followed.back().pixel = tracked[i].pixel;
+  }
+  return followed;
+}
+
+FeatureSet on_surface(const FeatureSet& features, const RenderedView& view) {
+  FeatureSet kept;
+  for (const auto& feature : features) {
+    const auto pixel = projection(view.camera, view.T_camera_world, feature.p_world);
+    if (!pixel) continue;
+    const auto depth = steady_depth(view.depth, *pixel);
+    if (!depth) continue;
+    const double off = std::abs(*depth - (view.T_camera_world * feature.p_world).z());
+    if (off <= kOffSurface_m) kept.push_back(feature);
+  }
+  return kept;
+}
+
+FeatureSet without_contradicting(FeatureSet features, const RenderedView& view, const GreyImage& contrast,
+                                 const Pose& T_camera_world) {
+  for (auto& feature : features) {
+    const auto in_view = projection(view.camera, view.T_camera_world, feature.p_world);
+    const bool agrees = error_px(feature, view.camera, T_camera_world) <= kMaxError_px && in_view &&
+                        looks_as_modelled(view, *in_view, contrast, feature.pixel);
+    feature.contradictions = agrees ? 0 : feature.contradictions + 1;
+  }
+  std::erase_if(features, [](const Feature& feature) { return feature.contradictions >= kMaxContradictions; });
+  return features;
+}
+
+FeatureSet replenished(FeatureSet features, const GreyImage& grey, const GreyImage& contrast, const RenderedView& view,
+                       const Pose& T_camera_world, int max_features) {
+  const int room = max_features - static_cast<int>(features.size());
+  // A few lost features are no reason to look for corners in every frame.
+  if (room < max_features / 10) return features;
+  std::vector<Eigen::Vector2d> taken;
+  for (const auto& feature : features) taken.push_back(feature.pixel);
+  CornerOptions corner_options;
+  corner_options.max_corners = room;
+  for (const auto& corner : find_corners(grey, surface_mask(view), taken, corner_options)) {
+    const auto in_view = pixel_in_view(view, T_camera_world, corner);
+    if (!in_view || !looks_as_modelled(view, *in_view, contrast, corner)) continue;
+    const auto point = world_point(view, *in_view);
+    if (point) features.push_back({corner, *point, 0});
+  }
+  return features;
+}
+
+std::vector<PointObservation> observations_of(const FeatureSet& features, double sigma_px) {
+  std::vector<PointObservation> observations;
+  for (const auto& feature : features) observations.push_back({feature.p_world, feature.pixel, sigma_px});
+  return observations;
+}
+
+int count_agreeing(const FeatureSet& features, const Camera& camera, const Pose& T_camera_world, double max_error_px) {
+  return static_cast<int>(std::count_if(features.begin(), features.end(), [&](const Feature& feature) {
+    return error_px(feature, camera, T_camera_world) <= max_error_px;
+  }));
+}
+
+}  // namespace meshloop

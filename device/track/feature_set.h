@@ -1,0 +1,45 @@
+#pragma once
+// Features that are followed from frame to frame, each with a world point that the model gave it once.
+#include <Eigen/Core>
+#include <vector>
+
+#include "common/features/robust_pose.h"
+#include "device/track/rendered_view.h"
+
+namespace meshloop {
+
+struct Feature {
+  /// In the newest frame.
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  Eigen::Vector3d p_world = Eigen::Vector3d::Zero();
+  /// Frames in a row in which it contradicted the pose or the model's colours.
+  int contradictions = 0;
+};
+using FeatureSet = std::vector<Feature>;
+
+/// Follows the features into the next picture; those that are not found there are dropped. `prediction` gives the
+/// starts.
+[[nodiscard]] FeatureSet follow(const FeatureSet& features, const GreyImage& from, const GreyImage& to,
+                                const Camera& camera, const Pose& prediction);
+
+/// Without the features whose world point does not lie on the surface that the view shows (the model has changed, or
+/// the point is hidden now).
+[[nodiscard]] FeatureSet on_surface(const FeatureSet& features, const RenderedView& view);
+
+/// Counts each feature's contradictions and drops those with too many.
+[[nodiscard]] FeatureSet without_contradicting(FeatureSet features, const RenderedView& view, const GreyImage& contrast,
+                                               const Pose& T_camera_world);
+
+/// Adds new corners of the picture, up to `max_features`, whose world points come from the view. A corner is taken only
+/// if the camera sees there what the model shows (where the model has colours): what is not modelled, or was moved,
+/// looks different.
+[[nodiscard]] FeatureSet replenished(FeatureSet features, const GreyImage& grey, const GreyImage& contrast,
+                                     const RenderedView& view, const Pose& T_camera_world, int max_features);
+
+[[nodiscard]] std::vector<PointObservation> observations_of(const FeatureSet& features, double sigma_px);
+
+/// How many features lie within `max_error_px` of where the pose projects them.
+[[nodiscard]] int count_agreeing(const FeatureSet& features, const Camera& camera, const Pose& T_camera_world,
+                                 double max_error_px);
+
+}  // namespace meshloop

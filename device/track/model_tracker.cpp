@@ -1,0 +1,227 @@
+#include "device/track/model_tracker.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "device/track/alignment.h"
+#include "device/track/known_views.h"
+#include "device/track/local_contrast.h"
+
+namespace meshloop {
+namespace {
+
+constexpr double kMaxSpread_m = 0.05;
+constexpr double kMaxSpread_rad = 0.05;
+/// Of the model's corners in sight, the share that must agree: to go on, to start, to go on for long.
+constexpr double kShareToStart = 0.3;
+constexpr double kShareToGoOn = 0.15;
+constexpr int kMaxDoubtfulFrames = 5;
+/// A pose predicted over more frames than this is no better than the last one.
+constexpr double kLongestPrediction = 3;
+constexpr std::size_t kViewsToTry = 2;
+
+struct Picture {
+  GreyImage grey;
+  GreyImage contrast;
+};
+
+struct TimedPose {
+  double timestamp_s = 0;
+  Pose T_camera_world = Pose::Identity();
+};
+
+/// Constant velocity.
+Pose predict(const std::optional<TimedPose>& before, const TimedPose& last, double timestamp_s) {
+  if (!before) return last.T_camera_world;
+  const double step_s = last.timestamp_s - before->timestamp_s;
+  const double ahead_s = timestamp_s - last.timestamp_s;
+  if (!(step_s > 0) || !(ahead_s > 0) || ahead_s > kLongestPrediction * step_s) return last.T_camera_world;
+  return interpolate(before->T_camera_world, last.T_camera_world, 1 + ahead_s / step_s);
+}
+
+bool is_certain(const PoseCovariance& covariance) {
+  // Written so that a covariance that is not a number is refused.
+  const double spread_m2 = covariance.topLeftCorner<3, 3>().trace();
+  const double spread_rad2 = covariance.bottomRightCorner<3, 3>().trace();
+  return spread_m2 < kMaxSpread_m * kMaxSpread_m && spread_rad2 < kMaxSpread_rad * kMaxSpread_rad;
+}
+
+class FeatureModelTracker final : public ModelTracker {
+ public:
+  FeatureModelTracker(std::unique_ptr<SceneRenderer> renderer, const Camera& camera, const ModelTrackerOptions& options)
+      : renderer_{std::move(renderer)}, camera_{camera.without_distortion()}, options_{options} {}
+
+  void start_at(const Pose& T_camera_world) override;
+  TrackedPose track(const ColorFrame& frame, const std::shared_ptr<const Model>& model) override;
+
+ private:
+  [[nodiscard]] AlignOptions wide() const;
+  [[nodiscard]] std::optional<Alignment> start(const Model& model, const Picture& picture);
+  [[nodiscard]] std::optional<Alignment> go_on(const Model& model, const Picture& picture, double timestamp_s);
+  [[nodiscard]] std::optional<Alignment> recover(const Model& model, const Picture& picture, double timestamp_s);
+  [[nodiscard]] std::optional<Alignment> align_widely(const Model& model, const Picture& picture, const Pose& start,
+                                                      const FeatureSet& features);
+  [[nodiscard]] TrackedPose accept(Alignment found, Picture picture, double timestamp_s, TrackState state);
+  TrackedPose lose(double timestamp_s);
+
+  std::unique_ptr<SceneRenderer> renderer_;
+  Camera camera_;
+  ModelTrackerOptions options_;
+  enum class Mode { idle, starting, tracking, lost };
+  Mode mode_ = Mode::idle;
+  /// The last pose that is known, and the one before it while there is a velocity.
+  TimedPose last_;
+  std::optional<TimedPose> before_;
+  GreyImage last_grey_;
+  FeatureSet features_;
+  KnownViews known_views_;
+  int doubtful_frames_ = 0;
+};
+
+void FeatureModelTracker::start_at(const Pose& T_camera_world) {
+  features_.clear();
+  before_.reset();
+  mode_ = is_rigid(T_camera_world) ? Mode::starting : Mode::idle;
+  last_.T_camera_world = T_camera_world;
+}
+
+AlignOptions FeatureModelTracker::wide() const {
+  AlignOptions align_options;
+  align_options.first_search = wide_search();
+  align_options.repeat_above_px = 1;
+  align_options.max_rounds = 4;
+  align_options.rough_start = true;
+  align_options.min_inliers = options_.min_inliers;
+  return align_options;
+}
+
+std::optional<Alignment> FeatureModelTracker::align_widely(const Model& model, const Picture& picture,
+                                                           const Pose& start_pose, const FeatureSet& features) {
+  auto found = align(*renderer_, model, camera_, picture.contrast, start_pose, features, wide());
+  if (found && found->has_absolute() && found->agreeing_share() < kShareToStart) return std::nullopt;
+  return found;
+}
+
+std::optional<Alignment> FeatureModelTracker::start(const Model& model, const Picture& picture) {
+  return align_widely(model, picture, last_.T_camera_world, {});
+}
+
+std::optional<Alignment> FeatureModelTracker::go_on(const Model& model, const Picture& picture, double timestamp_s) {
+  const Pose prediction = predict(before_, last_, timestamp_s);
+  const FeatureSet followed = follow(features_, last_grey_, picture.grey, camera_, prediction);
+  RobustPoseOptions pose_options;
+  pose_options.min_inliers = options_.min_inliers;
+  const auto observations = observations_of(followed, 1);
+  auto pose = refine_pose(observations, camera_, prediction, pose_options);
+  if (!pose) pose = find_pose(observations, camera_, pose_options);
+  if (!pose) return align_widely(model, picture, prediction, {});
+
+  AlignOptions align_options;
+  align_options.min_inliers = options_.min_inliers;
+  auto found = align(*renderer_, model, camera_, picture.contrast, pose->T_camera_world, followed, align_options);
+  if (!found) return std::nullopt;
+  doubtful_frames_ = found->agreeing_share() < kShareToGoOn ? doubtful_frames_ + 1 : 0;
+  if (doubtful_frames_ > kMaxDoubtfulFrames) return std::nullopt;
+  return found;
+}
+
+std::optional<Alignment> FeatureModelTracker::recover(const Model& model, const Picture& picture, double timestamp_s) {
+  const auto is_sure = [&](const std::optional<Alignment>& found) {
+    return found && found->pose.inliers >= options_.min_inliers && is_certain(found->pose.covariance);
+  };
+  if (auto found = align_widely(model, picture, last_.T_camera_world, {}); is_sure(found)) return found;
+  if (before_) {
+    const Pose prediction = predict(before_, last_, timestamp_s);
+    if (auto found = align_widely(model, picture, prediction, {}); is_sure(found)) return found;
+  }
+  for (const KnownView* view : known_views_.similar_to(picture.grey, kViewsToTry)) {
+    const auto pose = pose_from_view(*view, picture.grey, camera_, options_.min_inliers);
+    const Pose& start_pose = pose ? pose->T_camera_world : view->T_camera_world;
+    if (auto found = align_widely(model, picture, start_pose, {}); is_sure(found)) return found;
+  }
+  return std::nullopt;
+}
+
+TrackedPose FeatureModelTracker::lose(double timestamp_s) {
+  // Having been started is worth keeping: the start may be right although this frame does not show it.
+  if (mode_ != Mode::idle) mode_ = Mode::lost;
+  features_.clear();
+  doubtful_frames_ = 0;
+  TrackedPose result;
+  result.timestamp_s = timestamp_s;
+  return result;
+}
+
+TrackedPose FeatureModelTracker::accept(Alignment found, Picture picture, double timestamp_s, TrackState state) {
+  const Pose& T_camera_world = found.pose.T_camera_world;
+  TrackedPose result;
+  result.timestamp_s = timestamp_s;
+  result.state = state;
+  result.T_camera_world = T_camera_world;
+  result.covariance = found.pose.covariance;
+  result.quality = found.agreeing_share();
+  result.inliers = found.pose.inliers;
+
+  features_ = without_contradicting(std::move(found.features), found.view, picture.contrast, T_camera_world);
+  features_ = replenished(std::move(features_), picture.grey, picture.contrast, found.view, T_camera_world,
+                          options_.max_features);
+  const bool blind_start = result.inliers == 0;
+  if (blind_start) {
+    // Nothing to align to: the given pose counts, and what can be followed from here on.
+    result.inliers = static_cast<int>(features_.size());
+    result.quality = 1;
+  }
+  if (result.inliers < options_.min_inliers || (!blind_start && !is_certain(result.covariance))) {
+    return lose(timestamp_s);
+  }
+  if (mode_ == Mode::tracking) {
+    before_ = last_;
+  } else {
+    before_.reset();
+  }
+  mode_ = Mode::tracking;
+  last_ = {timestamp_s, T_camera_world};
+  last_grey_ = std::move(picture.grey);
+  known_views_.remember(T_camera_world, last_grey_, features_);
+  return result;
+}
+
+TrackedPose FeatureModelTracker::track(const ColorFrame& frame, const std::shared_ptr<const Model>& model) {
+  const bool fits = frame.color.width() == camera_.width && frame.color.height() == camera_.height;
+  if (!fits || !model || model->nodes.empty() || mode_ == Mode::idle) return lose(frame.timestamp_s);
+  Picture picture;
+  picture.grey = to_grey(frame.color);
+  picture.contrast = local_contrast(picture.grey, {}, {});
+  std::optional<Alignment> found;
+  TrackState state = TrackState::tracking;
+  if (mode_ == Mode::starting) {
+    found = start(*model, picture);
+  } else if (mode_ == Mode::tracking) {
+    found = go_on(*model, picture, frame.timestamp_s);
+  } else {
+    found = recover(*model, picture, frame.timestamp_s);
+    state = TrackState::relocalised;
+  }
+  if (!found) return lose(frame.timestamp_s);
+  return accept(std::move(*found), std::move(picture), frame.timestamp_s, state);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ModelTracker>> ModelTracker::create(GpuContext& context, const Camera& camera,
+                                                           const ModelTrackerOptions& options) {
+  if (const auto checked = validate(camera); !checked) return fail("the tracker's camera", checked.error());
+  if (options.max_features < options.min_inliers || options.min_inliers < 6) {
+    return fail(fmt::format("the tracker needs at least 6 inliers and more features than inliers, not {} and {}",
+                            options.min_inliers, options.max_features),
+                ErrorKind::usage);
+  }
+  auto renderer = SceneRenderer::create(context);
+  if (!renderer) return fail(renderer.error());
+  return std::unique_ptr<ModelTracker>(std::make_unique<FeatureModelTracker>(std::move(*renderer), camera, options));
+}
+
+}  // namespace meshloop

@@ -1,0 +1,63 @@
+#version 310 es
+precision highp float;
+
+#include "shaders/ar_light.glsl"
+
+layout(location = 0) uniform mat4 world_from_camera;
+layout(location = 1) uniform vec4 intrinsics;  // fx, fy, cx, cy
+layout(binding = 0) uniform highp sampler2D real_depth;
+layout(binding = 1) uniform highp sampler2D object_shadow;
+layout(binding = 2) uniform highp sampler2D model_shadow;
+layout(binding = 3) uniform highp sampler2D camera_picture;
+layout(binding = 4) uniform highp sampler2D objects;
+
+out vec4 picture;
+
+const float kObjectBias_m = 0.002;
+// Where the model itself keeps the light away the picture is dark already. Measured surfaces are rough.
+const float kModelBias_m = 0.012;
+
+vec3 point_at(ivec2 pixel, float depth) {
+  return vec3((vec2(pixel) - intrinsics.zw) / intrinsics.xy * depth, depth);
+}
+
+// The side on which the depth changes less belongs to the same surface.
+vec3 step_along(ivec2 pixel, ivec2 direction, vec3 here) {
+  ivec2 last = textureSize(real_depth, 0) - 1;
+  ivec2 after = min(pixel + direction, last);
+  ivec2 before = max(pixel - direction, ivec2(0));
+  float depth_after = texelFetch(real_depth, after, 0).r;
+  float depth_before = texelFetch(real_depth, before, 0).r;
+  if (abs(depth_after - here.z) < abs(depth_before - here.z)) return point_at(after, depth_after) - here;
+  return here - point_at(before, depth_before);
+}
+
+// Share of the light that the objects take away from the real surface at this pixel.
+float darkness(ivec2 pixel) {
+  float depth = texelFetch(real_depth, pixel, 0).r;
+  if (depth <= 0.0) return 0.0;
+  vec3 here = point_at(pixel, depth);
+  vec3 p_world = (world_from_camera * vec4(here, 1.0)).xyz;
+  vec3 p_map = (shadow_from_world * vec4(p_world, 1.0)).xyz;
+  if (any(lessThan(p_map, vec3(0.0))) || any(greaterThan(p_map, vec3(1.0)))) return 0.0;
+
+  vec3 normal = cross(step_along(pixel, ivec2(1, 0), here), step_along(pixel, ivec2(0, 1), here));
+  if (dot(normal, normal) < 1e-20) return 0.0;
+  normal = normalize(mat3(world_from_camera) * normal);
+  if (dot(normal, p_world - world_from_camera[3].xyz) > 0.0) normal = -normal;
+  float facing = dot(normal, -light_axes[2]);
+  if (facing <= 0.02) return 0.0;
+  float taken = 1.0 - light_share(object_shadow, p_world, normal, kObjectBias_m);
+  if (taken <= 0.0) return 0.0;
+  taken *= light_share(model_shadow, p_world, normal, kModelBias_m);
+  return taken * kSun * facing / (kSun * facing + kAmbient);
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec3 seen = texelFetch(camera_picture, pixel, 0).rgb;
+  vec4 object = texelFetch(objects, pixel, 0);
+  float dark = object.a < 1.0 ? darkness(pixel) : 0.0;
+  if (dark > 0.0) seen = srgb_from_linear(linear_from_srgb(seen) * (1.0 - dark));
+  picture = vec4(object.rgb + (1.0 - object.a) * seen, 1.0);
+}

@@ -1,0 +1,4 @@
+#version 310 es
+precision highp float;
+
+void main() {}
