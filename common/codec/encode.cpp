@@ -1,0 +1,146 @@
+#include "common/codec/mesh_codec.h"
+
+#include <draco/compression/expert_encode.h>
+#include <draco/mesh/mesh.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <exception>
+
+#include "common/codec/color_transform.h"
+#include "common/codec/draco_header.h"
+#include "common/mesh/lattice.h"
+
+namespace meshloop {
+namespace {
+
+/// Draco rounds with floor(x + 0.5f), which is exact below 2^23 only.
+constexpr int kMaxBits = 23;
+
+/// Edgebreaker leaves out triangles that name a vertex twice. Their second use gets a vertex of its own.
+Submesh with_distinct_corners(const Submesh& submesh) {
+  Submesh distinct = submesh;
+  const auto copy_vertex = [&distinct](std::uint32_t& index) {
+    distinct.positions.push_back(Eigen::Vector3f{distinct.positions[index]});
+    if (distinct.has_colors()) distinct.colors.push_back(Rgb8{distinct.colors[index]});
+    index = static_cast<std::uint32_t>(distinct.positions.size() - 1);
+  };
+  for (auto& [a, b, c] : distinct.triangles) {
+    if (b == a) copy_vertex(b);
+    if (c == a || c == b) copy_vertex(c);
+  }
+  return distinct;
+}
+
+template <class T>
+int add_attribute(draco::Mesh& mesh, draco::GeometryAttribute::Type kind, draco::DataType type,
+                  const std::vector<T>& values) {
+  static_assert(std::is_trivially_destructible_v<T>);
+  draco::GeometryAttribute attribute;
+  attribute.Init(kind, nullptr, 3, type, type == draco::DT_UINT8, sizeof(T), 0);
+  const int id = mesh.AddAttribute(attribute, true, static_cast<std::uint32_t>(values.size()));
+  mesh.attribute(id)->buffer()->Write(0, values.data(), values.size() * sizeof(T));
+  return id;
+}
+
+struct DracoMesh {
+  draco::Mesh mesh;
+  int position_id = -1;
+  int color_id = -1;
+};
+
+void fill(DracoMesh& target, const Submesh& submesh) {
+  auto& mesh = target.mesh;
+  mesh.set_num_points(static_cast<std::uint32_t>(submesh.positions.size()));
+  target.position_id = add_attribute(mesh, draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, submesh.positions);
+  if (submesh.has_colors()) {
+    std::vector<CodedColor> coded(submesh.colors.size());
+    std::transform(submesh.colors.begin(), submesh.colors.end(), coded.begin(), to_coded);
+    target.color_id = add_attribute(mesh, draco::GeometryAttribute::COLOR, draco::DT_UINT8, coded);
+  }
+  mesh.SetNumFaces(submesh.triangles.size());
+  for (std::uint32_t t = 0; t < submesh.triangles.size(); ++t) {
+    const auto& [a, b, c] = submesh.triangles[t];
+    mesh.SetFace(draco::FaceIndex(t), {draco::PointIndex(a), draco::PointIndex(b), draco::PointIndex(c)});
+  }
+}
+
+/// The lattice that Draco quantises on: the scene's, from the lower corner of the submesh.
+struct Quantisation {
+  Eigen::Vector3f origin;
+  int bits = 1;
+  float range = 0;
+};
+
+Result<Quantisation> quantisation_of(const Submesh& submesh) {
+  const auto bounds = submesh.bounds();
+  const double steps = bounds.sizes().cast<double>().maxCoeff() / kLatticeSpacing_m;
+  Quantisation chosen{bounds.min()};
+  while (chosen.bits <= kMaxBits && steps > (1 << chosen.bits) - 1) ++chosen.bits;
+  if (chosen.bits > kMaxBits) {
+    return fail(fmt::format("the submesh is {:.0f} m wide, and at most {:.0f} m can be encoded; split it",
+                            steps * kLatticeSpacing_m, ((1 << kMaxBits) - 1) * kLatticeSpacing_m));
+  }
+  chosen.range = kLatticeSpacing_m * static_cast<float>((1 << chosen.bits) - 1);
+  return chosen;
+}
+
+/// Draco keeps options as text, and its own setters write six decimals, which is not enough for the lattice: a point
+/// of it has up to twelve.
+draco::Options exact_quantisation(const Quantisation& quantisation) {
+  const auto& origin = quantisation.origin;
+  draco::Options options;
+  options.SetInt("quantization_bits", quantisation.bits);
+  options.SetString("quantization_origin", fmt::format("{:.12f} {:.12f} {:.12f}", origin.x(), origin.y(), origin.z()));
+  options.SetString("quantization_range", fmt::format("{:.12f}", quantisation.range));
+  return options;
+}
+
+Result<std::vector<std::byte>> encode_with(const DracoMesh& source, const Quantisation& quantisation, int speed,
+                                           bool always_standard) {
+  auto options = draco::EncoderOptions::CreateDefaultOptions();
+  options.SetAttributeOptions(source.position_id, exact_quantisation(quantisation));
+  if (always_standard) options.SetGlobalInt("edgebreaker_method", draco::MESH_EDGEBREAKER_STANDARD_ENCODING);
+  draco::ExpertEncoder encoder{source.mesh};
+  encoder.Reset(options);
+  encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
+  encoder.SetSpeedOptions(speed, speed);
+  // A parallelogram doubles the noise of a camera's pixels; the neighbour's colour predicts better.
+  if (source.color_id >= 0) encoder.SetAttributePredictionScheme(source.color_id, draco::PREDICTION_DIFFERENCE);
+  draco::EncoderBuffer buffer;
+  if (const auto status = encoder.EncodeToBuffer(&buffer); !status.ok()) {
+    return fail(fmt::format("Draco could not encode the submesh: {}", status.error_msg_string()));
+  }
+  const auto bytes = std::as_bytes(std::span{buffer.data(), buffer.size()});
+  return std::vector<std::byte>{bytes.begin(), bytes.end()};
+}
+
+Result<std::vector<std::byte>> encode_valid(const Submesh& submesh, int speed) {
+  const auto quantisation = quantisation_of(submesh);
+  if (!quantisation) return fail(quantisation.error());
+  DracoMesh source;
+  fill(source, with_distinct_corners(submesh));
+  auto bytes = encode_with(source, *quantisation, speed, false);
+  if (bytes && submesh.triangles.size() > kMaxTrianglesPerByte * bytes->size()) {
+    return encode_with(source, *quantisation, speed, true);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+Result<std::vector<std::byte>> encode(const Submesh& submesh, const EncodeOptions& options) {
+  if (auto ok = validate(submesh); !ok) return fail(ok.error());
+  if (!is_on_lattice(submesh)) {
+    return fail("the submesh has positions off the scene's lattice; move them there with snap_to_lattice");
+  }
+  try {
+    return encode_valid(submesh, std::clamp(options.speed, 0, 10));
+  } catch (const std::exception& error) {
+    return fail(fmt::format("Draco could not encode the submesh: {}", error.what()));
+  }
+}
+
+}  // namespace meshloop
