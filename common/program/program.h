@@ -14,8 +14,8 @@ using Action = std::function<Status()>;
 /// A top-level parser with `--version`, which wants exactly one subcommand.
 void prepare(CLI::App& app);
 
-/// Parses, runs the action and reports: exit code 0 done, 1 failed, 2 wrong usage, 3 hardware missing. An error is one line on
-/// stderr. No exception leaves this function.
+/// Parses, runs the action and reports: exit code 0 done, 1 failed, 2 wrong usage, 3 hardware missing. An error is one
+/// line on stderr. No exception leaves this function.
 [[nodiscard]] int run_program(CLI::App& app, int argc, char** argv, const Action& action);
 
 }  // namespace meshloop

@@ -1,0 +1,121 @@
+# The steps of deploy/demo.sh. Expects: root, here, out, noise, seed, real.
+bin=$root/build/release/bin
+domain=$((1 + $$ % 200)) # so that two demos on one machine do not mix
+
+say() { printf '%s\n' "== $*"; }
+stop() { printf 'demo: %s\n' "$*" >&2; exit 1; }
+
+build_programs() {
+  say "building (the first time takes a few minutes)"
+  (cd "$root" && cmake --preset release >"/tmp/meshloop-demo-$$.log" 2>&1) ||
+    { cat "/tmp/meshloop-demo-$$.log" >&2; stop "the build could not be configured"; }
+  rm -f "/tmp/meshloop-demo-$$.log"
+  cmake --build "$root/build/release" --target meshloop-station meshloop-device
+}
+
+# An old result is removed only where an old result is.
+prepare_out() {
+  if [ -e "$1" ] && [ ! -e "$1/.meshloop-demo" ] && [ -n "$(ls -A "$1" 2>/dev/null)" ]; then
+    stop "'$1' is there and is no earlier demo's folder; name another with --out"
+  fi
+  rm -rf "$1"
+  mkdir -p "$1/data" "$1/device" "$1/views" && touch "$1/.meshloop-demo"
+}
+
+make_simulated_data() {
+  say "simulating a scene, a Kinect and a handheld camera"
+  "$bin/meshloop-station" simulate --out "$out/data" --noise "$noise" --seed "$seed"
+  model=$out/data/model.ply station=$out/data/station device_first=$out/data/device_before_move
+  device_last=$out/data/device_after_move
+  start=(--markers "$out/data/markers.yaml")
+  device_start=markers:$out/data/markers.yaml
+  object=(--object-at 0.02,0.16,0 --object-height 0.3)
+}
+
+make_real_data() {
+  say "converting the real sequence"
+  python3 "$here/convert_castel.py" /usr/share/visp-images-data/ViSP-images/mbt-depth/castel "$out/data"
+  model=$out/data/model.obj station=$out/data/station device_first=$station device_last=$station
+  start=(--init "pose:$(cat "$out/data/start_pose.txt")")
+  device_start=pose:$(cat "$out/data/start_pose.txt")
+  object=(--object-at 0.02,0.08,0.09 --object-height 0.05)
+}
+
+# wait_for SECONDS PATTERN FILE PID: until FILE has a line with PATTERN; fails when the process ends before.
+wait_for() {
+  local until=$((SECONDS + $1))
+  until grep -q "$2" "$3" 2>/dev/null; do
+    [ $SECONDS -lt $until ] || stop "waited $1 s in vain for $2 in $3"
+    kill -0 "$4" 2>/dev/null || stop "the program that writes $3 ended early; see ${3%.*}.log"
+    sleep 0.1
+  done
+}
+
+run_loop() {
+  say "the loop: the station plays its recording; the device joins when the first revision is there"
+  "$bin/meshloop-station" scene import --scene "$out/scene.db" "$model"
+  "$bin/meshloop-station" run --scene "$out/scene.db" --name demo --domain $domain --source "recording:$station" \
+    "${start[@]}" --accept all --out "$out/station" --serve -1 --json >"$out/station.jsonl" 2>"$out/station.log" &
+  local station_pid=$!
+  trap 'kill $(jobs -p) 2>/dev/null || true' EXIT
+  wait_for 60 '"event":"revision"' "$out/station.jsonl" $station_pid
+  "$bin/meshloop-device" run --scene demo --domain $domain --camera "recording:$device_last" --loop \
+    --display "offscreen:$out/device" --every 30 --init "$device_start" "${object[@]}" \
+    --report "$out/device.json" --json >"$out/device.jsonl" 2>"$out/device.log" &
+  local device_pid=$!
+  wait_for 120 '"event":"end"' "$out/station.jsonl" $station_pid
+  local last
+  last=$(grep '"event":"end"' "$out/station.jsonl" | grep -o '"revision":[0-9]*' | cut -d: -f2)
+  wait_for 30 "\"event\":\"drawn\",.*\"revision\":$last[,}]" "$out/device.jsonl" $device_pid
+  kill -TERM $device_pid && wait $device_pid || stop "the device failed; see $out/device.log"
+  kill -TERM $station_pid && wait $station_pid || stop "the station failed; see $out/station.log"
+  say "revision $last is drawn on the device"
+}
+
+# track NAME MODEL RECORDING: tracks and draws in batch, into views/NAME and NAME.json
+track() {
+  "$bin/meshloop-device" track --model "$2" --recording "$3" --init "$device_start" --out "$out/views/$1.txt" \
+    --draw "$out/views/$1" --every "$view_every" "${object[@]}" --json >"$out/views/$1.json"
+}
+
+# detect NAME MODEL FRAMES: the station's frames against a model, scored against the truth
+detect() {
+  "$bin/meshloop-station" detect --model "$2" --recording "$station" "${start[@]}" --frames "$3" \
+    --truth "$out/data/station_truth" --out "$out/detect_$1" --json >"$out/detect_$1.json"
+}
+
+
+in_parallel() {
+  local first second
+  eval "$1" & first=$!
+  eval "$2" & second=$!
+  wait $first || stop "failed: $1"
+  wait $second || stop "failed: $2"
+}
+
+export_revisions() {
+  mapfile -t revisions < <(python3 "$here/lib/revisions.py" "$out/station.jsonl")
+  for revision in "${revisions[@]}"; do
+    "$bin/meshloop-station" scene export --scene "$out/scene.db" --revision "$revision" "$out/data/revision_$revision.glb"
+  done
+  "$bin/meshloop-station" scene log --scene "$out/scene.db" --json >"$out/log.json"
+}
+
+measure_simulated() {
+  view_every=5
+  say "detection against the exact truth"
+  in_parallel "detect first $model 0-5" "detect moved $out/data/model_before_move.ply $((60)),61-65"
+  say "tracking on a full circle, with the model before and after each adjustment"
+  export_revisions
+  local a=${revisions[0]} b=${revisions[1]} c=${revisions[2]}
+  in_parallel "track insertion_before $out/data/revision_$a.glb $device_first" "track insertion_after $out/data/revision_$b.glb $device_first"
+  in_parallel "track move_before $out/data/revision_$b.glb $device_last" "track move_after $out/data/revision_$c.glb $device_last"
+}
+
+measure_real() {
+  view_every=1
+  say "tracking with the model before and after the adjustment"
+  export_revisions
+  in_parallel "track insertion_before $out/data/revision_${revisions[0]}.glb $device_first" \
+    "track insertion_after $out/data/revision_${revisions[2]}.glb $device_first"
+}

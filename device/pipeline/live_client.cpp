@@ -1,0 +1,104 @@
+#include "device/pipeline/live_client.h"
+
+#include <iostream>
+#include <utility>
+
+#include "common/base/clock.h"
+#include "common/base/log.h"
+#include "common/program/stop_signal.h"
+
+namespace meshloop {
+LiveClient::LiveClient(std::unique_ptr<GpuContext> gpu, TrackingSession session, std::unique_ptr<ArRenderer> renderer,
+                       std::unique_ptr<SceneReceiver> receiver, std::unique_ptr<Presenter> presenter,
+                       const LiveOptions& options, const Camera& camera)
+    : gpu_{std::move(gpu)},
+      session_{std::move(session)},
+      renderer_{std::move(renderer)},
+      receiver_{std::move(receiver)},
+      presenter_{std::move(presenter)},
+      camera_{camera},
+      options_{options} {}
+
+Result<std::unique_ptr<LiveClient>> LiveClient::create(const LiveOptions& options, const Camera& camera,
+                                                       StartPose start, std::unique_ptr<Presenter> presenter) {
+  auto gpu = GpuContext::create_headless();
+  if (!gpu) return fail(gpu.error());
+  auto session = TrackingSession::create(**gpu, camera, std::move(start));
+  if (!session) return fail(session.error());
+  auto renderer = ArRenderer::create(**gpu);
+  if (!renderer) return fail(renderer.error());
+  auto receiver = SceneReceiver::start(options.link);
+  if (!receiver) return fail(receiver.error());
+  return std::unique_ptr<LiveClient>{new LiveClient{std::move(*gpu), std::move(*session), std::move(*renderer),
+                                                    std::move(*receiver), std::move(presenter), options, camera}};
+}
+
+void LiveClient::note_drawn(const ReceivedModel& received) {
+  const Revision revision = received.model->revision;
+  if (revisions_.contains(revision)) return;
+  revisions_[revision] = {received.accepted_ns, received.complete_ns, wall_clock_ns(), received.decode_ms};
+  if (options_.json) {
+    std::cout << nlohmann::json{{"event", "drawn"}, {"revision", revision}}.dump() << std::endl;
+  }
+}
+
+Status LiveClient::show(const ColorFrame& frame) {
+  const auto received = receiver_->newest();
+  const std::shared_ptr<const Model> model = received ? received->model : nullptr;
+  const TrackRecord& record = session_.track(frame, model);
+  const Stopwatch watch;
+  ArFrame view;
+  view.camera_image = &frame.color;
+  view.camera = camera_;
+  view.T_camera_world = record.pose.T_camera_world;
+  view.tracked = record.pose.state != TrackState::lost;
+  view.model = model.get();
+  view.objects = &options_.objects;
+  view.hud = {record.revision, model ? std::string(name_of(record.pose.state)) : "waiting for the scene",
+              frames_per_s_};
+  const ColorImage picture = renderer_->draw(view);
+  draw_ms_.push_back(watch.milliseconds());
+  if (received && view.tracked) note_drawn(*received);
+  return presenter_->show(picture);
+}
+
+Status LiveClient::run(ColorSource& camera, double seconds) {
+  const Stopwatch running;
+  while (!stop_requested() && (seconds <= 0 || running.milliseconds() < 1000 * seconds)) {
+    const Stopwatch watch;
+    const auto frame = camera.next();
+    if (!frame) {
+      log_warning("{}; going on with the next picture", frame.error().message);
+      continue;
+    }
+    if (!*frame) return {};
+    if (auto done = show(**frame); !done) return done;
+    constexpr double kSmoothing = 0.1;
+    frames_per_s_ += kSmoothing * (1000 / watch.milliseconds() - frames_per_s_);
+  }
+  return {};
+}
+
+nlohmann::json LiveClient::report(const std::optional<Trajectory>& truth) const {
+  nlohmann::json revisions = nlohmann::json::array();
+  for (const auto& [revision, times] : revisions_) {
+    revisions.push_back({{"revision", revision},
+                         {"accepted_ns", times.accepted_ns},
+                         {"complete_ns", times.complete_ns},
+                         {"drawn_ns", times.drawn_ns},
+                         {"decode_ms", times.decode_ms}});
+  }
+  std::vector<double> track_ms;
+  for (const auto& record : session_.records()) track_ms.push_back(record.time_ms);
+  const auto newest = receiver_->newest();
+  const auto counts = receiver_->counts();
+  return {{"frames", session_.frames_json()},
+          {"lost", session_.lost_frames()},
+          {"revision", newest ? nlohmann::json(newest->model->revision) : nlohmann::json(nullptr)},
+          {"revisions", revisions},
+          {"rejected", counts.rejected},
+          {"time_ms", {{"track", spread_json(track_ms)}, {"draw", spread_json(draw_ms_)}}},
+          {"truth", truth_json(session_.trajectory(), truth)}};
+}
+
+}  // namespace meshloop

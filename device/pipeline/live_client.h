@@ -1,0 +1,62 @@
+#pragma once
+// The live client: camera and shared scene in, augmented view out.
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "device/capture/color_source.h"
+#include "device/draw/ar_renderer.h"
+#include "device/draw/presenter.h"
+#include "device/pipeline/tracking_session.h"
+#include "device/receive/scene_receiver.h"
+
+namespace meshloop {
+
+struct LiveOptions {
+  LinkOptions link;
+  std::vector<VirtualObject> objects;
+  /// One JSON document a line on stdout when a revision is drawn for the first time.
+  bool json = false;
+};
+
+/// What happened to one revision on its way to the screen. Wall clock, nanoseconds since 1970.
+struct RevisionTimes {
+  std::int64_t accepted_ns = 0;
+  std::int64_t complete_ns = 0;
+  std::int64_t drawn_ns = 0;
+  double decode_ms = 0;
+};
+
+/// One thread, that of the GPU context it makes; receiving and decoding have their own.
+class LiveClient {
+ public:
+  static Result<std::unique_ptr<LiveClient>> create(const LiveOptions& options, const Camera& camera, StartPose start,
+                                                    std::unique_ptr<Presenter> presenter);
+  /// Until the camera ends, `seconds` are over (when positive) or a stop signal arrives.
+  Status run(ColorSource& camera, double seconds);
+
+  /// {"frames", "lost", "revision", "revisions", "rejected", "time_ms": {"track", "draw"}, "truth"}
+  [[nodiscard]] nlohmann::json report(const std::optional<Trajectory>& truth) const;
+  [[nodiscard]] const TrackingSession& session() const { return session_; }
+
+ private:
+  LiveClient(std::unique_ptr<GpuContext> gpu, TrackingSession session, std::unique_ptr<ArRenderer> renderer,
+             std::unique_ptr<SceneReceiver> receiver, std::unique_ptr<Presenter> presenter, const LiveOptions& options,
+             const Camera& camera);
+  Status show(const ColorFrame& frame);
+  void note_drawn(const ReceivedModel& received);
+
+  std::unique_ptr<GpuContext> gpu_;
+  TrackingSession session_;
+  std::unique_ptr<ArRenderer> renderer_;
+  std::unique_ptr<SceneReceiver> receiver_;
+  std::unique_ptr<Presenter> presenter_;
+  Camera camera_;
+  LiveOptions options_;
+  std::map<Revision, RevisionTimes> revisions_;
+  std::vector<double> draw_ms_;
+  double frames_per_s_ = 0;
+};
+
+}  // namespace meshloop

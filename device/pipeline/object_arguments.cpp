@@ -1,0 +1,24 @@
+#include "device/pipeline/object_arguments.h"
+
+#include "device/draw/demo_object.h"
+
+namespace meshloop {
+
+void ObjectArguments::add_to(CLI::App& command) {
+  command.add_option("--object-at", position, "where the virtual object stands: X,Y,Z in the world, metres")
+      ->delimiter(',')
+      ->expected(3)
+      ->capture_default_str();
+  command.add_option("--object-height", height_m, "its height in metres")
+      ->check(CLI::Range(0.001, 10.0))
+      ->capture_default_str();
+}
+
+VirtualObject ObjectArguments::make() const {
+  VirtualObject standing;
+  standing.submesh = std::make_shared<const Submesh>(make_lighthouse(height_m));
+  standing.T_world_object.translation() = Eigen::Vector3d{position[0], position[1], position[2]};
+  return standing;
+}
+
+}  // namespace meshloop

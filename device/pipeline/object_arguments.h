@@ -1,0 +1,18 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <vector>
+
+#include "device/draw/ar_renderer.h"
+
+namespace meshloop {
+
+/// `--object-at X,Y,Z --object-height M`: the virtual object.
+struct ObjectArguments {
+  std::vector<double> position{0, 0, 0};
+  double height_m = 0.18;
+
+  void add_to(CLI::App& command);
+  [[nodiscard]] VirtualObject make() const;
+};
+
+}  // namespace meshloop

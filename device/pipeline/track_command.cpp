@@ -1,0 +1,131 @@
+// `track`: model-based tracking of a recording.
+#include <fmt/format.h>
+
+#include <iostream>
+#include <memory>
+
+#include "common/interchange/model_file.h"
+#include "device/capture/recording_source.h"
+#include "device/draw/presenter.h"
+#include "device/pipeline/commands.h"
+#include "device/pipeline/object_arguments.h"
+#include "device/pipeline/tracking_session.h"
+
+namespace meshloop {
+namespace {
+
+struct TrackArguments {
+  std::string model;
+  std::string recording;
+  std::string init;
+  std::string out;
+  std::string draw;
+  int every = 1;
+  ObjectArguments object;
+  bool json = false;
+};
+
+/// Draws the augmented view of each tracked frame into a folder.
+class Views {
+ public:
+  static Result<Views> create(GpuContext& gpu, const TrackArguments& arguments) {
+    auto renderer = ArRenderer::create(gpu);
+    if (!renderer) return fail(renderer.error());
+    auto presenter = OffscreenPresenter::create({.folder = arguments.draw, .every_nth = arguments.every});
+    if (!presenter) return fail(presenter.error());
+    return Views{std::move(*renderer), std::move(*presenter), arguments.object.make()};
+  }
+
+  Status draw(const ColorFrame& frame, const Camera& camera, const TrackRecord& record, const Model& model) {
+    ArFrame view;
+    view.camera_image = &frame.color;
+    view.camera = camera;
+    view.T_camera_world = record.pose.T_camera_world;
+    view.tracked = record.pose.state != TrackState::lost;
+    view.model = &model;
+    view.objects = &objects_;
+    view.hud = {model.revision, std::string(name_of(record.pose.state)), 0};
+    return presenter_->show(renderer_->draw(view));
+  }
+
+ private:
+  Views(std::unique_ptr<ArRenderer> renderer, std::unique_ptr<OffscreenPresenter> presenter, VirtualObject object)
+      : renderer_{std::move(renderer)}, presenter_{std::move(presenter)}, objects_{std::move(object)} {}
+  std::unique_ptr<ArRenderer> renderer_;
+  std::unique_ptr<OffscreenPresenter> presenter_;
+  std::vector<VirtualObject> objects_;
+};
+
+void report(const TrackArguments& arguments, const TrackingSession& session, const nlohmann::json& truth) {
+  std::vector<double> times;
+  for (const auto& record : session.records()) times.push_back(record.time_ms);
+  const nlohmann::json json{{"frames", session.frames_json()},
+                            {"lost", session.lost_frames()},
+                            {"time_ms", spread_json(times)},
+                            {"truth", truth}};
+  if (arguments.json) {
+    std::cout << json.dump(2) << '\n';
+    return;
+  }
+  std::cout << fmt::format("{} frames, {} lost; poses are in {}\n", session.records().size(), session.lost_frames(),
+                           arguments.out);
+  if (!truth.is_null()) {
+    std::cout << fmt::format("mean error {:.1f} mm, largest {:.1f} mm\n", 1000 * truth["mean_error_m"].get<double>(),
+                             1000 * truth["max_error_m"].get<double>());
+  }
+}
+
+Status track_all(ColorSource& source, TrackingSession& session, const std::shared_ptr<const Model>& model,
+                 std::optional<Views>& views) {
+  for (;;) {
+    const auto frame = source.next();
+    if (!frame) return fail(frame.error());
+    if (!*frame) return {};
+    const TrackRecord& record = session.track(**frame, model);
+    if (!views) continue;
+    if (auto done = views->draw(**frame, source.camera(), record, *model); !done) return done;
+  }
+}
+
+Status track(const TrackArguments& arguments) {
+  auto start = StartPose::parse(arguments.init);
+  if (!start) return fail(start.error());
+  auto imported = import_as_model(arguments.model);
+  if (!imported) return fail(imported.error());
+  const auto model = std::make_shared<const Model>(std::move(*imported));
+  auto source = ColorRecordingSource::open(arguments.recording);
+  if (!source) return fail(source.error());
+  auto gpu = GpuContext::create_headless();
+  if (!gpu) return fail(gpu.error());
+  auto session = TrackingSession::create(**gpu, (*source)->camera(), std::move(*start));
+  if (!session) return fail(session.error());
+  std::optional<Views> views;
+  if (!arguments.draw.empty()) {
+    auto made = Views::create(**gpu, arguments);
+    if (!made) return fail(made.error());
+    views = std::move(*made);
+  }
+  if (auto done = track_all(**source, *session, model, views); !done) return done;
+  const Trajectory trajectory = session->trajectory();
+  if (auto done = write_trajectory(arguments.out, trajectory); !done) return done;
+  report(arguments, *session, truth_json(trajectory, (*source)->recording().ground_truth()));
+  return {};
+}
+
+}  // namespace
+
+void add_track_command(CLI::App& app, Action& action) {
+  auto arguments = std::make_shared<TrackArguments>();
+  CLI::App* command = app.add_subcommand("track", "track a recording against a model, in batch");
+  command->add_option("--model", arguments->model, "OBJ, PLY, STL, OFF, glTF or GLB, in metres")->required();
+  command->add_option("--recording", arguments->recording, "folder with rgb.txt and rig.yaml")->required();
+  command->add_option("--init", arguments->init, kInitHelp)->required();
+  command->add_option("--out", arguments->out, "file for the poses (TUM format, camera to world)")->required();
+  command->add_option("--draw", arguments->draw, "folder for the augmented views, as PNG");
+  command->add_option("--every", arguments->every, "draw every n-th view only")->check(CLI::Range(1, 1'000'000));
+  arguments->object.add_to(*command);
+  command->add_flag("--json", arguments->json, "per-frame state, quality and time as JSON on stdout");
+  command->callback([arguments, &action] { action = [arguments] { return track(*arguments); }; });
+}
+
+}  // namespace meshloop

@@ -1,0 +1,167 @@
+// `adjust`: snapshots to new revisions, in batch.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iostream>
+#include <memory>
+
+#include "common/base/clock.h"
+#include "common/program/arguments.h"
+#include "server/pipeline/adjuster.h"
+#include "server/pipeline/commands.h"
+#include "server/pipeline/options.h"
+#include "server/pipeline/result_json.h"
+#include "server/show/overlay.h"
+
+namespace meshloop {
+namespace {
+
+struct AdjustArguments {
+  std::string scene;
+  RecordingArguments recording;
+  std::string frames;
+  std::string threshold = "3sigma";
+  std::string accept;
+  bool json = false;
+};
+
+struct AdjustRun {
+  std::vector<int> frames;
+  bool accept_all = false;
+  std::vector<int> accepted_ids;
+  nlohmann::json results = nlohmann::json::array();
+};
+
+Result<AdjustRun> make_run(const AdjustArguments& arguments) {
+  AdjustRun run;
+  auto frames = parse_frame_list(arguments.frames);
+  if (!frames) return fail(frames.error());
+  run.frames = std::move(*frames);
+  run.accept_all = arguments.accept == "all";
+  if (!run.accept_all && !arguments.accept.empty()) {
+    auto ids = parse_frame_list(arguments.accept);
+    if (!ids) return fail("--accept takes all, or ids such as 1,3", ErrorKind::usage);
+    run.accepted_ids = std::move(*ids);
+    if (run.frames.size() != 1) return fail("--accept with ids needs a single frame in --frames", ErrorKind::usage);
+  }
+  return run;
+}
+
+std::vector<Proposal> chosen(const AdjustRun& run, const std::vector<Proposal>& proposals) {
+  std::vector<Proposal> accepted;
+  std::copy_if(proposals.begin(), proposals.end(), std::back_inserter(accepted), [&](const Proposal& proposal) {
+    return run.accept_all ||
+           std::binary_search(run.accepted_ids.begin(), run.accepted_ids.end(), static_cast<int>(proposal.id));
+  });
+  return accepted;
+}
+
+nlohmann::json proposal_json(const Proposal& proposal) {
+  return {{"id", proposal.id},
+          {"kind", proposal.kind == ChangeKind::insertion ? "insertion" : "removal"},
+          {"triangles_added", proposal.triangles_added},
+          {"triangles_removed", proposal.triangles_removed},
+          {"largest_change_m", proposal.largest_change_m},
+          {"effect", proposal.effect}};
+}
+
+Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const Rig& rig, Examiner& examiner,
+                    SceneStore& store) {
+  nlohmann::json result{{"index", tracked.frame.index}, {"revision", nullptr}, {"proposals", nlohmann::json::array()}};
+  if (tracked.depth_pose.state == TrackState::lost) {
+    result["reason"] = "the pose is lost";
+    run.results.push_back(std::move(result));
+    return {};
+  }
+  examiner.model_changed();  // each listed frame stands for itself
+  auto examination = examiner.examine(tracked, *store.model());
+  if (!examination) return fail(fmt::format("frame {}", tracked.frame.index), examination.error());
+  const Stopwatch watch;
+  const auto proposals = propose_changes(tracked, *examination, rig, store);
+  result["time_ms"] = {{"snapshot", watch.milliseconds()}};
+  for (const auto& proposal : proposals) result["proposals"].push_back(proposal_json(proposal));
+  const auto accepted = chosen(run, proposals);
+  if (!accepted.empty()) {
+    const auto picture =
+        overlay_on_color(examination->comparison, tracked.frame.depth, tracked.frame.color, rig, &examination->regions,
+                         {.title = fmt::format("frame {}", tracked.frame.index)});
+    const auto acceptance = accept_changes(store, accepted, "adjust", picture);
+    if (!acceptance) return fail(acceptance.error());
+    result["revision"] = acceptance->info.revision;
+    result["triangles_added"] = acceptance->info.triangles_added;
+    result["triangles_removed"] = acceptance->info.triangles_removed;
+  }
+  run.results.push_back(std::move(result));
+  return {};
+}
+
+void report(const AdjustArguments& arguments, const AdjustRun& run, const Model& model) {
+  if (arguments.json) {
+    print_json({{"frames", run.results}, {"revision", model.revision}, {"triangles", model.triangle_count()}});
+    return;
+  }
+  for (const auto& frame : run.results) {
+    std::cout << fmt::format("frame {}: ", frame["index"].get<int>());
+    if (frame.contains("reason")) {
+      std::cout << frame["reason"].get<std::string>() << '\n';
+      continue;
+    }
+    const auto& proposals = frame["proposals"];
+    std::cout << (frame["revision"].is_null() ? "nothing accepted"
+                                              : fmt::format("revision {}", frame["revision"].get<int>()))
+              << fmt::format(", {} proposals\n", proposals.size());
+    for (const auto& proposal : proposals) {
+      std::cout << fmt::format("  {:>3}: {}\n", proposal["id"].get<int>(), proposal["effect"].get<std::string>());
+    }
+  }
+}
+
+Status adjust(const AdjustArguments& arguments) {
+  auto run = make_run(arguments);
+  if (!run) return fail(run.error());
+  const auto threshold = parse_threshold(arguments.threshold);
+  if (!threshold) return fail(threshold.error());
+  auto store = SceneStore::open(arguments.scene, false);
+  if (!store) return fail(store.error());
+  auto frames = arguments.recording.open();
+  if (!frames) return fail(frames.error());
+  auto gpu = GpuContext::create_headless();
+  if (!gpu) return fail(gpu.error());
+  RegionOptions regions;
+  regions.confirm_frames = 1;
+  auto examiner = Examiner::create(**gpu, frames->rig(), {.threshold = *threshold, .regions = regions});
+  if (!examiner) return fail(examiner.error());
+
+  int read = 0;
+  while (read <= run->frames.back()) {
+    auto tracked = frames->next();
+    if (!tracked) return fail(tracked.error());
+    if (!*tracked) {
+      return fail(fmt::format("frame {} is not in the recording, which has {} frames", run->frames.back(), read),
+                  ErrorKind::usage);
+    }
+    read = (*tracked)->frame.index + 1;
+    if (!std::binary_search(run->frames.begin(), run->frames.end(), read - 1)) continue;
+    if (auto done = adjust_frame(*run, **tracked, frames->rig(), *examiner, **store); !done) return done;
+  }
+  report(arguments, *run, *(*store)->model());
+  return {};
+}
+
+}  // namespace
+
+void add_adjust_command(CLI::App& app, Action& action) {
+  auto arguments = std::make_shared<AdjustArguments>();
+  CLI::App* command = app.add_subcommand("adjust", "adapt the model to snapshots of a recording, in batch");
+  command->add_option("--scene", arguments->scene, "the scene file")->required();
+  arguments->recording.add_to(*command, true);
+  command->add_option("--frames", arguments->frames, "frames to take as snapshots, from 0, such as 0,5,10-20")
+      ->required();
+  command->add_option("--threshold", arguments->threshold, kThresholdHelp)->capture_default_str();
+  command->add_option("--accept", arguments->accept,
+                      "all, or ids of proposals (1,3); nothing is accepted if not given");
+  command->add_flag("--json", arguments->json, "proposals and revisions as JSON on stdout");
+  command->callback([arguments, &action] { action = [arguments] { return adjust(*arguments); }; });
+}
+
+}  // namespace meshloop

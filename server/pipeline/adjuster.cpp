@@ -1,0 +1,75 @@
+#include "server/pipeline/adjuster.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "common/base/clock.h"
+#include "common/image/image_file.h"
+
+namespace meshloop {
+namespace {
+
+// Beyond these a snapshot would place its measurements wrongly by more than the sensor's own noise at 1 m.
+constexpr double kMaxPositionSigma_m = 0.004;
+constexpr double kMaxSpeed_m_per_s = 0.5;
+constexpr double kMaxTurn_rad_per_s = 0.6;
+
+double position_sigma(const TrackedPose& pose) {
+  return std::sqrt(pose.covariance.topLeftCorner<3, 3>().trace());
+}
+
+}  // namespace
+
+std::optional<std::string> reason_to_wait(const TrackedFrame& tracked, const std::optional<TrackedPose>& previous) {
+  const TrackedPose& pose = tracked.depth_pose;
+  if (pose.state == TrackState::lost) return "the pose is lost";
+  if (!(position_sigma(pose) < kMaxPositionSigma_m)) {
+    return fmt::format("the pose is uncertain by {:.1f} mm", 1000 * position_sigma(pose));
+  }
+  if (!previous || previous->state == TrackState::lost) return "the camera's motion is not known yet";
+  const double seconds = pose.timestamp_s - previous->timestamp_s;
+  const Twist motion = log(pose.T_camera_world * previous->T_camera_world.inverse());
+  if (seconds <= 0 || motion.head<3>().norm() > kMaxSpeed_m_per_s * seconds ||
+      motion.tail<3>().norm() > kMaxTurn_rad_per_s * seconds) {
+    return "the camera moves too fast";
+  }
+  return std::nullopt;
+}
+
+std::vector<Proposal> propose_changes(const TrackedFrame& tracked, const Examination& examination, const Rig& rig,
+                                      const SceneStore& store) {
+  const auto model = store.model();
+  const Snapshot snapshot{.model = model.get(),
+                          .frame = &tracked.frame,
+                          .rig = &rig,
+                          .depth_pose = tracked.depth_pose,
+                          .comparison = &examination.comparison,
+                          .regions = &examination.regions};
+  return propose(snapshot, store.next_node_id(), {});
+}
+
+Result<Acceptance> accept_changes(SceneStore& store, const std::vector<Proposal>& accepted, const std::string& author,
+                                  const ColorImage& picture) {
+  const auto edits = merge_edits(*store.model(), accepted);
+  if (!edits) return fail(edits.error());
+  Acceptance acceptance;
+  RevisionInfo& info = acceptance.info;
+  info.accepted_ns = wall_clock_ns();
+  info.author = author;
+  for (const auto& proposal : accepted) {
+    info.triangles_added += proposal.triangles_added;
+    info.triangles_removed += proposal.triangles_removed;
+    info.summary += fmt::format("{}region {}: {}", info.summary.empty() ? "" : "; ", proposal.id, proposal.effect);
+  }
+  if (auto png = encode_png(picture)) info.pictures.push_back(std::move(*png));
+  const Stopwatch watch;
+  auto model = store.commit(*edits, info);
+  if (!model) return fail(model.error());
+  acceptance.commit_ms = watch.milliseconds();
+  acceptance.model = std::move(*model);
+  info.revision = acceptance.model->revision;
+  return acceptance;
+}
+
+}  // namespace meshloop

@@ -1,0 +1,33 @@
+#pragma once
+// From accepted proposals to a committed revision: adjust and store, joined.
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/adjust/proposal.h"
+#include "server/pipeline/examiner.h"
+#include "server/store/scene_store.h"
+
+namespace meshloop {
+
+struct Acceptance {
+  std::shared_ptr<const Model> model;
+  RevisionInfo info;
+  double commit_ms = 0;
+};
+
+/// Proposals for one examined frame.
+[[nodiscard]] std::vector<Proposal> propose_changes(const TrackedFrame& tracked, const Examination& examination,
+                                                    const Rig& rig, const SceneStore& store);
+
+/// Commits the proposals as one revision; `picture` goes into the journal.
+[[nodiscard]] Result<Acceptance> accept_changes(SceneStore& store, const std::vector<Proposal>& accepted,
+                                                const std::string& author, const ColorImage& picture);
+
+/// Why nothing may be written to the model from this frame, or nothing when it may: a lost or uncertain pose, or a
+/// camera that moved too fast since the frame before.
+[[nodiscard]] std::optional<std::string> reason_to_wait(const TrackedFrame& tracked,
+                                                        const std::optional<TrackedPose>& previous);
+
+}  // namespace meshloop

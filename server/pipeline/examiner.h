@@ -1,0 +1,41 @@
+#pragma once
+// One frame against the model: compare and regions, joined.
+#include <memory>
+
+#include "server/compare/comparator.h"
+#include "server/compare/region_tracker.h"
+#include "server/pipeline/tracked_frames.h"
+
+namespace meshloop {
+
+struct Examination {
+  Comparison comparison;
+  RegionMap regions;
+  CompareTimes times;
+  double regions_ms = 0;
+  double total_ms = 0;
+};
+
+struct ExaminerOptions {
+  Threshold threshold;
+  RegionOptions regions;
+};
+
+/// One thread, that of the context.
+class Examiner {
+ public:
+  static Result<Examiner> create(GpuContext& gpu, const Rig& rig, const ExaminerOptions& options);
+  /// Refuses a frame whose depth pose is lost.
+  Result<Examination> examine(const TrackedFrame& frame, const Model& model);
+  /// The regions seen so far were those of another model.
+  void model_changed() { regions_.reset(); }
+
+ private:
+  Examiner(std::unique_ptr<Comparator> comparator, Rig rig, const ExaminerOptions& options);
+  std::unique_ptr<Comparator> comparator_;
+  Rig rig_;
+  ExaminerOptions options_;
+  RegionTracker regions_;
+};
+
+}  // namespace meshloop

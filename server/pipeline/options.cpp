@@ -1,0 +1,90 @@
+#include "server/pipeline/options.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+#include "common/program/arguments.h"
+#include "server/capture/prefetching_source.h"
+#include "server/capture/recording_source.h"
+
+namespace meshloop {
+namespace {
+
+Result<RigTrackerOptions> tracker_options(const std::string& markers, const std::string& init) {
+  RigTrackerOptions options;
+  if (!markers.empty()) {
+    auto map = read_markers(markers);
+    if (!map) return fail(map.error());
+    options.markers = std::move(*map);
+  }
+  if (!init.empty()) {
+    const auto [kind, rest] = split_kind(init);
+    if (kind != "pose") return fail("--init takes pose:tx,ty,tz,qx,qy,qz,qw", ErrorKind::usage);
+    const auto T_world_color = parse_pose(rest);
+    if (!T_world_color) return fail("--init", T_world_color.error());
+    options.first_pose = T_world_color->inverse();
+  }
+  return options;
+}
+
+}  // namespace
+
+void RecordingArguments::add_to(CLI::App& command, bool poses_allowed) {
+  command.add_option("--recording", recording, "folder with rgb.txt, depth.txt and rig.yaml")->required();
+  if (poses_allowed) {
+    command.add_option("--poses", poses,
+                       "colour camera poses (TUM format, camera to world); groundtruth.txt if not given");
+  }
+  add_source_options(command);
+  poses_allowed_ = poses_allowed;
+}
+
+void RecordingArguments::add_source_options(CLI::App& command) {
+  poses_allowed_ = false;
+  command.add_option("--rig", rig, "another rig.yaml than the recording's");
+  command.add_option("--markers", markers, "track by these markers (markers.yaml)");
+  command.add_option("--init", init, "pose:tx,ty,tz,qx,qy,qz,qw of the first colour image, camera to world");
+}
+
+Result<TrackedFrames> RecordingArguments::open(bool real_time) const {
+  auto source = RecordingSource::open(recording, rig.empty() ? std::nullopt : std::optional<std::filesystem::path>{rig},
+                                      {.real_time = real_time});
+  if (!source) return fail(source.error());
+  PoseOptions options;
+  const bool tracks = !markers.empty() || !init.empty();
+  if (!poses.empty()) {
+    auto trajectory = read_trajectory(poses);
+    if (!trajectory) return fail(trajectory.error());
+    options.trajectory = std::move(*trajectory);
+  } else if (tracks) {
+    auto tracker = tracker_options(markers, init);
+    if (!tracker) return fail(tracker.error());
+    options.tracker = std::move(*tracker);
+  } else if (poses_allowed_ && (*source)->recording().ground_truth()) {
+    options.trajectory = (*source)->recording().ground_truth();
+  } else {
+    return fail(fmt::format("where do the poses of '{}' come from? Give --markers or --init{}", recording,
+                            poses_allowed_ ? ", or --poses" : ""),
+                ErrorKind::usage);
+  }
+  auto ahead = std::make_unique<PrefetchingSource>(std::move(*source), WhenFull::wait);
+  return TrackedFrames::create(std::move(ahead), std::move(options));
+}
+
+Result<Threshold> parse_threshold(const std::string& text) {
+  Threshold threshold;
+  const auto suffix = text.find("sigma");
+  threshold.kind = suffix == std::string::npos ? Threshold::Kind::fixed : Threshold::Kind::k_sigma;
+  const std::string number = text.substr(0, suffix);
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), threshold.value);
+  const bool whole = error == std::errc{} && end == number.data() + number.size();
+  const bool known_suffix = suffix == std::string::npos || text.substr(suffix) == "sigma";
+  if (!whole || !known_suffix || !(threshold.value > 0 && threshold.value < 100)) {
+    return fail(fmt::format("'{}' is not a threshold; use metres (0.02) or multiples of the noise (3sigma)", text),
+                ErrorKind::usage);
+  }
+  return threshold;
+}
+
+}  // namespace meshloop

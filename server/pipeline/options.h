@@ -1,0 +1,37 @@
+#pragma once
+// Options that several subcommands of the station share.
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+
+#include "common/change/comparison.h"
+#include "server/pipeline/tracked_frames.h"
+
+namespace meshloop {
+
+/// `--recording DIR [--rig F] [--poses F] [--markers F] [--init pose:...]`
+struct RecordingArguments {
+  std::string recording;
+  std::string rig;
+  std::string poses;
+  std::string markers;
+  std::string init;
+
+  /// All options; without `poses_allowed` all but --poses.
+  void add_to(CLI::App& command, bool poses_allowed);
+  /// All options but --recording, for a command that names its source otherwise.
+  void add_source_options(CLI::App& command);
+  /// Opens the recording and decides where the poses come from: --poses, else --markers and --init, else the
+  /// recording's groundtruth.txt (not for `track`, which makes poses).
+  [[nodiscard]] Result<TrackedFrames> open(bool real_time = false) const;
+
+ private:
+  bool poses_allowed_ = true;
+};
+
+/// `0.02` (metres) or `3sigma`.
+[[nodiscard]] Result<Threshold> parse_threshold(const std::string& text);
+inline constexpr const char* kThresholdHelp =
+    "what counts as a change: metres (0.02) or multiples of the noise (3sigma)";
+
+}  // namespace meshloop

@@ -1,0 +1,144 @@
+// `scene`: the scene file.
+#include <fmt/format.h>
+
+#include <functional>
+#include <iostream>
+#include <memory>
+
+#include "common/base/clock.h"
+#include "common/interchange/model_file.h"
+#include "server/pipeline/commands.h"
+#include "server/pipeline/result_json.h"
+
+namespace meshloop {
+namespace {
+
+struct SceneArguments {
+  std::string scene;
+  std::string file;
+  Revision revision = 0;  // 0: the present one
+  bool json = false;
+};
+
+nlohmann::json model_json(const Model& model) {
+  nlohmann::json nodes = nlohmann::json::array();
+  for (const auto& node : model.nodes) {
+    nodes.push_back({{"id", node.id},
+                     {"name", node.name},
+                     {"vertices", node.submesh->positions.size()},
+                     {"triangles", node.submesh->triangles.size()},
+                     {"colors", node.submesh->has_colors()}});
+  }
+  return {{"revision", model.revision}, {"triangles", model.triangle_count()}, {"nodes", nodes}};
+}
+
+void print_model(const SceneArguments& arguments, const Model& model) {
+  if (arguments.json) {
+    print_json(model_json(model));
+    return;
+  }
+  std::cout << fmt::format("revision {}, {} nodes, {} triangles\n", model.revision, model.nodes.size(),
+                           model.triangle_count());
+  for (const auto& node : model.nodes) {
+    std::cout << fmt::format("  {:>4}  {:<24} {:>8} triangles\n", node.id, node.name, node.submesh->triangles.size());
+  }
+}
+
+Status scene_import(const SceneArguments& arguments) {
+  auto imported = import_as_model(arguments.file);
+  if (!imported) return fail(imported.error());
+  auto store = SceneStore::open(arguments.scene, true);
+  if (!store) return fail(store.error());
+  std::vector<Edit> edits;
+  NodeId id = (*store)->next_node_id();
+  for (auto& node : imported->nodes) {
+    node.id = id++;
+    edits.emplace_back(AddNode{std::move(node)});
+  }
+  RevisionInfo info;
+  info.accepted_ns = wall_clock_ns();
+  info.author = "import";
+  info.summary = "imported " + std::filesystem::path(arguments.file).filename().string();
+  info.triangles_added = imported->triangle_count();
+  auto model = (*store)->commit(edits, std::move(info));
+  if (!model) return fail(model.error());
+  print_model(arguments, **model);
+  return {};
+}
+
+using StoreAction = std::function<Status(const SceneArguments&, SceneStore&)>;
+
+Status with_store(const SceneArguments& arguments, const StoreAction& action) {
+  auto store = SceneStore::open(arguments.scene, false);
+  if (!store) return fail(store.error());
+  return action(arguments, **store);
+}
+
+Status scene_export(const SceneArguments& arguments, SceneStore& store) {
+  auto model = arguments.revision == 0 ? Result<std::shared_ptr<const Model>>{store.model()}
+                                       : store.model_at(arguments.revision);
+  if (!model) return fail(model.error());
+  return export_model(**model, arguments.file);
+}
+
+Status scene_info(const SceneArguments& arguments, SceneStore& store) {
+  print_model(arguments, *store.model());
+  return {};
+}
+
+Status scene_log(const SceneArguments& arguments, SceneStore& store) {
+  const auto log = store.log();
+  if (!log) return fail(log.error());
+  nlohmann::json json = nlohmann::json::array();
+  for (const auto& info : *log) {
+    json.push_back(revision_json(info));
+    if (!arguments.json) {
+      std::cout << fmt::format("{:>5}  +{} -{} triangles  {}: {}\n", info.revision, info.triangles_added,
+                               info.triangles_removed, info.author, info.summary);
+    }
+  }
+  if (arguments.json) print_json({{"revisions", json}});
+  return {};
+}
+
+template <auto step>
+Status scene_step(const SceneArguments& arguments, SceneStore& store) {
+  const auto model = (store.*step)();
+  if (!model) return fail(model.error());
+  print_model(arguments, **model);
+  return {};
+}
+
+CLI::App* add_one(CLI::App& scene, const char* name, const char* help, const std::shared_ptr<SceneArguments>& arguments,
+                  Action& action, std::function<Status(const SceneArguments&)> run) {
+  CLI::App* command = scene.add_subcommand(name, help);
+  command->add_option("--scene", arguments->scene, "the scene file")->required();
+  command->add_flag("--json", arguments->json, "result as JSON on stdout");
+  command->callback([arguments, &action, run] { action = [arguments, run] { return run(*arguments); }; });
+  return command;
+}
+
+std::function<Status(const SceneArguments&)> on_store(StoreAction action) {
+  return [action](const SceneArguments& arguments) { return with_store(arguments, action); };
+}
+
+}  // namespace
+
+void add_scene_command(CLI::App& app, Action& action) {
+  auto arguments = std::make_shared<SceneArguments>();
+  CLI::App* scene = app.add_subcommand("scene", "the scene file: import, export, info, log, undo, redo");
+  scene->require_subcommand(1);
+  add_one(*scene, "import", "add a model file as a new revision; makes the scene file when it is not there", arguments,
+          action, scene_import)
+      ->add_option("model", arguments->file, "OBJ, PLY, STL, OFF, glTF or GLB, in metres")
+      ->required();
+  CLI::App* exporter = add_one(*scene, "export", "write the model", arguments, action, on_store(scene_export));
+  exporter->add_option("file", arguments->file, "target: .glb, .ply or .obj")->required();
+  exporter->add_option("--revision", arguments->revision, "the model as it was then; the present one if not given");
+  add_one(*scene, "info", "nodes and triangles", arguments, action, on_store(scene_info));
+  add_one(*scene, "log", "the journal of revisions", arguments, action, on_store(scene_log));
+  add_one(*scene, "undo", "go back by one revision", arguments, action, on_store(scene_step<&SceneStore::undo>));
+  add_one(*scene, "redo", "take an undo back", arguments, action, on_store(scene_step<&SceneStore::redo>));
+}
+
+}  // namespace meshloop

@@ -1,0 +1,171 @@
+#include "server/pipeline/station.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <iostream>
+#include <thread>
+
+#include "common/base/clock.h"
+#include "common/base/log.h"
+#include "common/image/image_file.h"
+#include "common/program/stop_signal.h"
+#include "server/pipeline/result_json.h"
+
+namespace meshloop {
+
+struct Station::Parts {
+  StationOptions options;
+  Rig rig;
+  std::unique_ptr<GpuContext> gpu;
+  Examiner examiner;
+  std::unique_ptr<SceneStore> store;
+  Publisher publisher;
+  std::optional<TrackedPose> previous_pose;
+  /// The last revision's picture "after" is still to be made, from the next frame.
+  bool after_is_due = false;
+  PublishReport last_publish;
+};
+
+Station::Station(std::unique_ptr<Parts> parts) : parts_{std::move(parts)} {}
+Station::~Station() = default;
+
+Result<std::unique_ptr<Station>> Station::create(const StationOptions& options, const Rig& rig) {
+  if (!options.out.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(options.out, error);
+    if (error) return fail(fmt::format("cannot make the folder '{}': {}", options.out.string(), error.message()));
+  }
+  auto gpu = GpuContext::create_headless();
+  if (!gpu) return fail(gpu.error());
+  auto examiner = Examiner::create(**gpu, rig, {.threshold = options.threshold, .regions = {}});
+  if (!examiner) return fail(examiner.error());
+  auto store = SceneStore::open(options.scene, false);
+  if (!store) return fail(store.error());
+  const auto epoch = (*store)->begin_epoch();
+  if (!epoch) return fail(epoch.error());
+  auto writer = SceneWriter::create(options.link);
+  if (!writer) return fail(writer.error());
+  std::unique_ptr<Station> station{new Station{std::unique_ptr<Parts>{new Parts{options,
+                                                                                rig,
+                                                                                std::move(*gpu),
+                                                                                std::move(*examiner),
+                                                                                std::move(*store),
+                                                                                Publisher{std::move(*writer), *epoch},
+                                                                                std::nullopt,
+                                                                                false,
+                                                                                {}}}}};
+  const auto model = station->parts_->store->model();
+  if (auto done = station->publish(model, wall_clock_ns()); !done) return fail(done.error());
+  station->tell({{"event", "serving"}, {"scene", options.link.scene}, {"revision", model->revision}});
+  return station;
+}
+
+void Station::tell(nlohmann::json event) const {
+  if (parts_->options.json) {
+    std::cout << event.dump() << std::endl;  // flushed: whoever reads this acts on it
+    return;
+  }
+  std::string text = event["event"].get<std::string>();
+  for (const auto& [key, value] : event.items()) {
+    if (key != "event" && !value.is_structured()) text += fmt::format("  {} {}", key, value.dump());
+  }
+  std::cout << text << std::endl;
+}
+
+Status Station::publish(const std::shared_ptr<const Model>& model, std::int64_t accepted_ns) {
+  auto report = parts_->publisher.publish(model, accepted_ns);
+  if (!report) return fail("publishing", report.error());
+  parts_->last_publish = *report;
+  return {};
+}
+
+Status Station::write_picture(const char* when, const TrackedFrame& tracked, const Examination& examination) {
+  if (parts_->options.out.empty()) return {};
+  const auto revision = parts_->store->model()->revision;
+  OverlayOptions options;
+  options.title = fmt::format("frame {}, {} revision {}", tracked.frame.index, when, revision);
+  const auto picture = overlay_on_color(examination.comparison, tracked.frame.depth, tracked.frame.color, parts_->rig,
+                                        &examination.regions, options);
+  return write_png(parts_->options.out / fmt::format("revision_{:04}_{}.png", revision, when), picture);
+}
+
+Status Station::accept(const TrackedFrame& tracked, const Examination& examination) {
+  const Stopwatch snapshot_watch;
+  const auto proposals = propose_changes(tracked, examination, parts_->rig, *parts_->store);
+  const double snapshot_ms = snapshot_watch.milliseconds();
+  if (proposals.empty()) return {};
+  OverlayOptions options;
+  options.title = fmt::format("frame {}", tracked.frame.index);
+  const auto picture = overlay_on_color(examination.comparison, tracked.frame.depth, tracked.frame.color, parts_->rig,
+                                        &examination.regions, options);
+  auto acceptance = accept_changes(*parts_->store, proposals, "automatic", picture);
+  if (!acceptance) return fail("accepting", acceptance.error());
+  if (auto done = publish(acceptance->model, acceptance->info.accepted_ns); !done) return done;
+  const auto& report = parts_->last_publish;
+  tell({{"event", "revision"},
+        {"revision", acceptance->info.revision},
+        {"frame", tracked.frame.index},
+        {"accepted_ns", acceptance->info.accepted_ns},
+        {"triangles_added", acceptance->info.triangles_added},
+        {"triangles_removed", acceptance->info.triangles_removed},
+        {"triangles", acceptance->model->triangle_count()},
+        {"bytes", report.bytes},
+        {"raw_bytes", report.raw_bytes},
+        {"devices", parts_->publisher.readers()},
+        {"summary", acceptance->info.summary},
+        {"time_ms", {{"snapshot", snapshot_ms}, {"commit", acceptance->commit_ms}, {"encode", report.encode_ms}}}});
+  parts_->examiner.model_changed();
+  parts_->after_is_due = true;
+  return write_picture("before", tracked, examination);
+}
+
+Status Station::handle(const TrackedFrame& tracked) {
+  const auto wait = reason_to_wait(tracked, parts_->previous_pose);
+  parts_->previous_pose = tracked.depth_pose;
+  nlohmann::json event{{"event", "frame"},
+                       {"index", tracked.frame.index},
+                       {"timestamp", tracked.frame.depth_timestamp_s},
+                       {"state", name_of(tracked.color_pose.state)},
+                       {"track_ms", tracked.track_ms}};
+  if (tracked.depth_pose.state == TrackState::lost) {
+    tell(std::move(event));
+    return {};
+  }
+  auto examination = parts_->examiner.examine(tracked, *parts_->store->model());
+  if (!examination) return fail(fmt::format("frame {}", tracked.frame.index), examination.error());
+  event["counts"] = counts_json(examination->comparison);
+  event["time_ms"] = times_json(*examination);
+  const auto& regions = examination->regions.regions;
+  const auto confirmed = std::count_if(regions.begin(), regions.end(), [](const Region& r) { return r.confirmed; });
+  event["confirmed_regions"] = confirmed;
+  if (confirmed > 0 && wait) event["waits"] = *wait;
+  tell(std::move(event));
+  if (parts_->after_is_due) {
+    parts_->after_is_due = false;
+    if (auto done = write_picture("after", tracked, *examination); !done) return done;
+  }
+  if (confirmed == 0 || wait || !parts_->options.accept_all) return {};
+  return accept(tracked, *examination);
+}
+
+void Station::serve() const {
+  const Stopwatch watch;
+  while (!stop_requested() && (parts_->options.serve_s < 0 || watch.milliseconds() < 1000 * parts_->options.serve_s)) {
+    std::this_thread::sleep_for(std::chrono::milliseconds{20});
+  }
+}
+
+Status Station::run(TrackedFrames& frames) {
+  while (!stop_requested()) {
+    auto tracked = frames.next();
+    if (!tracked) return fail(tracked.error());
+    if (!*tracked) break;
+    if (auto done = handle(**tracked); !done) return done;
+  }
+  tell({{"event", "end"}, {"revision", parts_->store->model()->revision}});
+  serve();
+  return {};
+}
+
+}  // namespace meshloop

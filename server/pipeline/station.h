@@ -1,0 +1,57 @@
+#pragma once
+// The live station: frames in, revisions out.
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "server/pipeline/adjuster.h"
+#include "server/publish/publisher.h"
+#include "server/show/overlay.h"
+
+namespace meshloop {
+
+struct StationOptions {
+  std::filesystem::path scene;
+  /// Name of the scene on the network.
+  LinkOptions link;
+  Threshold threshold;
+  /// Accept every confirmed proposal when reason_to_wait has nothing against it; otherwise only show them.
+  bool accept_all = false;
+  /// Folder for pictures of each revision; none when empty.
+  std::filesystem::path out;
+  /// Seconds to go on serving the scene after the source has ended; negative: until a stop signal.
+  double serve_s = 0;
+  /// One JSON document a line on stdout for each event, instead of text.
+  bool json = false;
+};
+
+/// Owns all stages but the source. One thread, that of the GPU context it makes.
+class Station {
+ public:
+  /// Opens the store (which must exist), starts the network and publishes the present model.
+  static Result<std::unique_ptr<Station>> create(const StationOptions& options, const Rig& rig);
+
+  /// Until the source ends, a stop signal arrives, or an error that cannot be gone around.
+  Status run(TrackedFrames& frames);
+
+ private:
+  struct Parts;
+  explicit Station(std::unique_ptr<Parts> parts);
+  Status handle(const TrackedFrame& tracked);
+  Status accept(const TrackedFrame& tracked, const Examination& examination);
+  Status publish(const std::shared_ptr<const Model>& model, std::int64_t accepted_ns);
+  Status write_picture(const char* when, const TrackedFrame& tracked, const Examination& examination);
+  void serve() const;
+  void tell(nlohmann::json event) const;
+
+ public:
+  ~Station();
+
+ private:
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace meshloop

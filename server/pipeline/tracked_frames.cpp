@@ -1,0 +1,94 @@
+#include "server/pipeline/tracked_frames.h"
+
+#include <utility>
+
+#include "common/base/clock.h"
+#include "common/base/log.h"
+
+namespace meshloop {
+namespace {
+
+constexpr int kMaxUnreadable = 10;
+// A given trajectory is taken as exact to this: metres and radians.
+constexpr double kGivenPoseSigma = 1e-5;
+
+TrackedPose given_pose(const Trajectory& trajectory, double timestamp_s) {
+  TrackedPose tracked;
+  tracked.timestamp_s = timestamp_s;
+  const auto T_world_color = pose_at(trajectory, timestamp_s);
+  if (!T_world_color) return tracked;
+  tracked.state = TrackState::tracking;
+  tracked.T_camera_world = T_world_color->inverse();
+  tracked.covariance = PoseCovariance::Identity() * kGivenPoseSigma * kGivenPoseSigma;
+  tracked.quality = 1;
+  return tracked;
+}
+
+}  // namespace
+
+TrackedFrames::TrackedFrames(std::unique_ptr<RgbdSource> source, std::optional<Trajectory> trajectory,
+                             std::unique_ptr<RigTracker> tracker)
+    : source_{std::move(source)}, trajectory_{std::move(trajectory)}, tracker_{std::move(tracker)} {}
+
+Result<TrackedFrames> TrackedFrames::create(std::unique_ptr<RgbdSource> source, PoseOptions options) {
+  std::unique_ptr<RigTracker> tracker;
+  if (!options.trajectory) {
+    auto made = RigTracker::create(source->rig(), options.tracker);
+    if (!made) return fail(made.error());
+    tracker = std::move(*made);
+  }
+  return TrackedFrames{std::move(source), std::move(options.trajectory), std::move(tracker)};
+}
+
+TrackedPose TrackedFrames::color_pose_of(const RgbdFrame& frame) {
+  return trajectory_ ? given_pose(*trajectory_, frame.color_timestamp_s) : tracker_->track(frame);
+}
+
+Result<std::optional<TrackedFrame>> TrackedFrames::track_one() {
+  for (int unreadable = 0;;) {
+    auto frame = source_->next();
+    if (!frame) {
+      if (++unreadable == kMaxUnreadable) return fail(frame.error());
+      log_warning("{}; going on with the next frame", frame.error().message);
+      continue;
+    }
+    if (!*frame) return std::nullopt;
+    const Stopwatch watch;
+    TrackedFrame tracked{std::move(**frame), {}, {}, 0};
+    tracked.color_pose = color_pose_of(tracked.frame);
+    tracked.track_ms = watch.milliseconds();
+    return tracked;
+  }
+}
+
+TrackedFrame TrackedFrames::finished(TrackedFrame frame, const TrackedPose& before, const TrackedPose& after) const {
+  if (trajectory_) {  // exact at the depth time itself
+    TrackedPose color = given_pose(*trajectory_, frame.frame.depth_timestamp_s);
+    frame.depth_pose = depth_pose_at(rig(), color, color, frame.frame.depth_timestamp_s);
+  } else {
+    frame.depth_pose = depth_pose_at(rig(), before, after, frame.frame.depth_timestamp_s);
+  }
+  return frame;
+}
+
+Result<std::optional<TrackedFrame>> TrackedFrames::next() {
+  if (!waiting_) {
+    auto first = track_one();
+    if (!first || !*first) return first;
+    waiting_ = std::move(*first);
+  }
+  auto following = track_one();
+  if (!following) return fail(following.error());
+
+  const TrackedPose present = waiting_->color_pose;
+  const bool depth_is_later = waiting_->frame.depth_timestamp_s >= waiting_->frame.color_timestamp_s;
+  const bool look_ahead = depth_is_later && *following;
+  const TrackedPose before = look_ahead ? present : previous_pose_.value_or(present);
+  const TrackedPose after = look_ahead ? (*following)->color_pose : present;
+  TrackedFrame done = finished(std::move(*waiting_), before, after);
+  previous_pose_ = present;
+  waiting_ = std::move(*following);
+  return done;
+}
+
+}  // namespace meshloop

@@ -1,0 +1,51 @@
+#pragma once
+// Frames with the depth camera's pose: capture and track, joined.
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/recording/trajectory.h"
+#include "server/capture/rgbd_source.h"
+#include "server/track/rig_tracker.h"
+
+namespace meshloop {
+
+/// Where the colour camera's poses come from: a trajectory (T_world_color), or the tracker.
+struct PoseOptions {
+  std::optional<Trajectory> trajectory;
+  RigTrackerOptions tracker;
+};
+
+struct TrackedFrame {
+  RgbdFrame frame;
+  /// T_color_world at the colour image's time, T_depth_world at the depth image's.
+  TrackedPose color_pose;
+  TrackedPose depth_pose;
+  double track_ms = 0;
+};
+
+/// A depth image is exposed between two colour images, so a frame comes out when the next one was tracked.
+class TrackedFrames {
+ public:
+  static Result<TrackedFrames> create(std::unique_ptr<RgbdSource> source, PoseOptions options);
+
+  [[nodiscard]] const Rig& rig() const { return source_->rig(); }
+  /// Nothing at the end. A frame that cannot be read is left out with a warning; ten in a row are an error.
+  Result<std::optional<TrackedFrame>> next();
+
+ private:
+  TrackedFrames(std::unique_ptr<RgbdSource> source, std::optional<Trajectory> trajectory,
+                std::unique_ptr<RigTracker> tracker);
+  Result<std::optional<TrackedFrame>> track_one();
+  [[nodiscard]] TrackedPose color_pose_of(const RgbdFrame& frame);
+  [[nodiscard]] TrackedFrame finished(TrackedFrame frame, const TrackedPose& before, const TrackedPose& after) const;
+
+  std::unique_ptr<RgbdSource> source_;
+  std::optional<Trajectory> trajectory_;
+  std::unique_ptr<RigTracker> tracker_;
+  std::optional<TrackedFrame> waiting_;
+  std::optional<TrackedPose> previous_pose_;
+};
+
+}  // namespace meshloop
