@@ -54,6 +54,7 @@ void mark_rim(DepthGrid& grid, const Comparison& comparison, const DepthImage& m
 }
 
 constexpr int kRadius = 2;
+constexpr float kCut_sigmas = 5;
 
 // The window with kRadius more pixels to each side, 0 outside the image.
 std::vector<float> padded_copy(const DepthImage& measured, const Window& window) {
@@ -144,7 +145,8 @@ void smooth(DepthGrid& grid, const DepthImage& measured) {
   for (int y = 0; y < grid.window.height(); ++y) {
     float* z = grid.z.data() + static_cast<std::ptrdiff_t>(y) * w;
     const float* sigma = grid.sigma.data() + static_cast<std::ptrdiff_t>(y) * w;
-    for (std::size_t x = 0; x < columns; ++x) per_cut2[x] = 1.0f / (9 * sigma[x] * sigma[x] + 1e-12f);
+    for (std::size_t x = 0; x < columns; ++x)
+      per_cut2[x] = 1.0f / (kCut_sigmas * kCut_sigmas * sigma[x] * sigma[x] + 1e-12f);
     std::fill(shift.begin(), shift.end(), 0.0f);
     std::fill(weight.begin(), weight.end(), 0.0f);
     for (int dy = 0; dy <= 2 * kRadius; ++dy) {
@@ -153,7 +155,7 @@ void smooth(DepthGrid& grid, const DepthImage& measured) {
         const float* other = source.data() + static_cast<std::ptrdiff_t>(y + dy) * padded_w + dx;
         for (std::size_t x = 0; x < columns; ++x) {
           const float d = other[x] - z[x];
-          // Tukey's weight: smooth, and 0 from three sigma on; a missing measurement (0) is far beyond.
+          // Tukey's weight: smooth, and 0 from kCut_sigmas on; a missing measurement (0) is far beyond.
           const float inside = std::max(0.0f, 1 - d * d * per_cut2[x]);
           const float share = near * inside * inside;
           shift[x] += share * d;

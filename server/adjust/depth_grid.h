@@ -47,7 +47,7 @@ struct DepthGrid {
                                      const Image<RegionId>& ids, RegionId region, const SensorModel& sensor);
 
 /// One bilateral pass over the members: neighbours in a 5x5 window count less the farther away they are, and not at all
-/// beyond three sigma of depth. `measured` is the whole frame, so that a patch's border is smoothed like its middle.
+/// beyond five sigma of depth. `measured` is the whole frame, so that a patch's border is smoothed like its middle.
 void smooth(DepthGrid& grid, const DepthImage& measured);
 
 /// Triangles between neighbouring pixels, with positions in the window as indices; counter-clockwise towards the

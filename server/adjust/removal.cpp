@@ -8,6 +8,13 @@
 namespace meshloop::adjust {
 namespace {
 
+Sighting look_at_center(const VisibleSurface& surface, const Node& node, std::size_t node_position, std::size_t t) {
+  const auto& [a, b, c] = node.submesh->triangles[t];
+  const auto& p = node.submesh->positions;
+  const Eigen::Vector3d center = (p[a] + p[b] + p[c]).cast<double>() / 3;
+  return surface.look_at(node.T_world_node * center, node_position);
+}
+
 // The region that takes each triangle away, 0 for those that stay: all three vertices are seen through, or some are and
 // so is the triangle's centre.
 std::vector<RegionId> mark_triangles(const VisibleSurface& surface, const Node& node, std::size_t node_position,
@@ -24,9 +31,7 @@ std::vector<RegionId> mark_triangles(const VisibleSurface& surface, const Node& 
       marks[t] = in_b == in_c ? in_b : in_a;
       continue;
     }
-    const Eigen::Vector3d center =
-        (submesh.positions[a] + submesh.positions[b] + submesh.positions[c]).cast<double>() / 3;
-    marks[t] = surface.look_at(node.T_world_node * center, node_position).seen_through;
+    marks[t] = look_at_center(surface, node, node_position, t).seen_through;
   }
   return marks;
 }
@@ -55,7 +60,12 @@ std::map<RegionId, RemovedTriangles> find_removed(const Snapshot& snapshot, cons
       vertices.push_back(surface.look_at(node.T_world_node * p.cast<double>(), position));
     }
     auto marks = mark_triangles(surface, node, position, vertices);
-    take_loose_pieces(*node.submesh, vertices, options.min_patch_triangles, marks);
+    const auto in_sight = [&](std::size_t t) {
+      const auto& [a, b, c] = node.submesh->triangles[t];
+      return vertices[a].sight == Sight::clear && vertices[b].sight == Sight::clear &&
+             vertices[c].sight == Sight::clear && look_at_center(surface, node, position, t).sight == Sight::clear;
+    };
+    take_loose_pieces(*node.submesh, in_sight, options.min_patch_triangles, marks);
     collect(node, marks, removed);
   }
   return removed;

@@ -10,6 +10,7 @@ namespace meshloop::adjust {
 namespace {
 
 constexpr double kSmallestTolerance_m = 0.002;
+constexpr int kSilhouette_px = 2;
 
 }  // namespace
 
@@ -18,15 +19,49 @@ VisibleSurface::VisibleSurface(const Snapshot& snapshot) : snapshot_{&snapshot} 
     if (region.confirmed && region.kind == ChangeKind::removal) removal_ids_.push_back(region.id);
   }
   std::sort(removal_ids_.begin(), removal_ids_.end());
+  start_evidence();
+  for (int i = 0; i < kSilhouette_px; ++i) grow_evidence();
+}
+
+void VisibleSurface::start_evidence() {
+  evidence_ = snapshot_->regions->ids;
+  threshold_m_ = snapshot_->comparison->threshold_m;
+  RegionId known = 0;
+  for (auto& id : evidence_.pixels()) {
+    if (id == 0 || id == known) continue;
+    if (std::binary_search(removal_ids_.begin(), removal_ids_.end(), id)) {
+      known = id;
+    } else {
+      id = 0;
+    }
+  }
+}
+
+void VisibleSurface::grow_evidence() {
+  if (removal_ids_.empty()) return;
+  const Comparison& c = *snapshot_->comparison;
+  const Image<RegionId> before = evidence_;
+  for (int y = 1; y + 1 < before.height(); ++y) {
+    for (int x = 1; x + 1 < before.width(); ++x) {
+      if (c.labels(x, y) != Label::undecided || before(x, y) != 0 || c.node_index(x, y) == 0) continue;
+      for (int k = 0; k < 9; ++k) {
+        const int nx = x + k % 3 - 1;
+        const int ny = y + k / 3 - 1;
+        if (before(nx, ny) == 0 || c.node_index(nx, ny) != c.node_index(x, y)) continue;
+        evidence_(x, y) = before(nx, ny);
+        threshold_m_(x, y) = threshold_m_(nx, ny);
+        break;
+      }
+    }
+  }
 }
 
 std::vector<std::size_t> VisibleSurface::nodes_in_removal_regions() const {
-  const auto ids = snapshot_->regions->ids.pixels();
+  const auto ids = evidence_.pixels();
   const auto nodes = snapshot_->comparison->node_index.pixels();
   std::vector<bool> seen(snapshot_->model->nodes.size(), false);
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (ids[i] == 0 || nodes[i] == 0 || nodes[i] > seen.size()) continue;
-    if (std::binary_search(removal_ids_.begin(), removal_ids_.end(), ids[i])) seen[nodes[i] - 1] = true;
+    if (ids[i] != 0 && nodes[i] != 0 && nodes[i] <= seen.size()) seen[nodes[i] - 1] = true;
   }
   std::vector<std::size_t> positions;
   for (std::size_t n = 0; n < seen.size(); ++n) {
@@ -60,12 +95,9 @@ bool VisibleSurface::shows(int x, int y, std::uint32_t node_index, double z) con
 
 // Unmeasured is never evidence.
 RegionId VisibleSurface::region_that_sees_through(int x, int y, double z) const {
-  const RegionId id = snapshot_->regions->ids(x, y);
-  if (id == 0 || !std::binary_search(removal_ids_.begin(), removal_ids_.end(), id)) return 0;
   const double measured = snapshot_->frame->depth(x, y);
-  const double threshold = snapshot_->comparison->threshold_m(x, y);
-  const bool through = measured > 0 && measured - z > threshold;
-  return through ? id : 0;
+  const bool through = measured > 0 && measured - z > threshold_m_(x, y);
+  return through ? evidence_(x, y) : 0;
 }
 
 Sighting VisibleSurface::look_at(const Eigen::Vector3d& p_world, std::size_t node_position) const {

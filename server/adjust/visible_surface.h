@@ -20,6 +20,10 @@ struct Sighting {
 };
 
 /// Asks the comparison's images about single points of the model.
+///
+/// At a silhouette no pixel is certain by itself (its threshold is infinite or wide), so that a removed surface would
+/// leave its outline standing. Therefore up to two undecided pixels beside a removal region count with it, when they
+/// show the same node, and are seen through by more than the region's threshold there.
 class VisibleSurface {
  public:
   /// The snapshot must be valid and outlive this.
@@ -36,9 +40,15 @@ class VisibleSurface {
   [[nodiscard]] double tolerance(int x, int y) const;
   [[nodiscard]] RegionId region_that_sees_through(int x, int y, double z) const;
 
+  void start_evidence();
+  void grow_evidence();
+
   const Snapshot* snapshot_;
-  /// By region id.
+  /// Sorted.
   std::vector<RegionId> removal_ids_;
+  /// The confirmed removal region that each pixel speaks for, 0 for none, and the difference it must exceed.
+  Image<RegionId> evidence_;
+  Image<float> threshold_m_;
 };
 
 }  // namespace meshloop::adjust
