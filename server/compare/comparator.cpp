@@ -1,0 +1,211 @@
+#include "server/compare/comparator.h"
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "common/base/clock.h"
+#include "common/change/classify_rule.h"
+#include "common/gpu/gl_objects.h"
+#include "common/gpu/scene_renderer.h"
+#include "server/compare/compare_input.h"
+#include "shaders/shaders.h"
+
+namespace meshloop {
+namespace {
+
+// Locations of the uniforms in shaders/compare.frag.
+enum Uniform : GLint {
+  kIntrinsics,
+  kSensorKind,
+  kSensorConstant,
+  kFixedThreshold,
+  kSigmas,
+  kModelSigma,
+  kLargestThreshold,
+  kLargestReach,
+  kCovarianceTt,
+  kCovarianceTr,
+  kCovarianceRr
+};
+// The shader's numbers of the sensors.
+static_assert(static_cast<int>(SensorModel::Kind::kinect1) == 0 &&
+              static_cast<int>(SensorModel::Kind::kinect1_khoshelham) == 1 &&
+              static_cast<int>(SensorModel::Kind::tof) == 2 && static_cast<int>(SensorModel::Kind::constant) == 3);
+
+// What the shader writes for one pixel.
+struct PackedPixel {
+  std::uint32_t expected_bits;
+  std::uint32_t node;
+  std::uint32_t threshold_bits;
+  std::uint32_t label;
+};
+static_assert(sizeof(PackedPixel) == 16);
+
+struct Targets {
+  int width;
+  int height;
+  Texture measured;
+  Texture result;
+  Framebuffer framebuffer;
+
+  Targets(int wide, int high)
+      : width{wide},
+        height{high},
+        measured{make_texture(GL_R32F, wide, high)},
+        result{make_texture(GL_RGBA32UI, wide, high)} {
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, result.name(), 0);
+  }
+};
+
+void set_matrix(Uniform location, const Eigen::Matrix3d& matrix) {
+  const Eigen::Matrix3f values = matrix.cast<float>();
+  glUniformMatrix3fv(location, 1, GL_FALSE, values.data());
+}
+
+void set_uniforms(const CompareInput& input) {
+  const Camera& camera = input.camera;
+  const bool is_fixed = input.threshold.kind == Threshold::Kind::fixed;
+  const auto value = static_cast<float>(input.threshold.value);
+  glUniform4f(kIntrinsics, static_cast<float>(camera.fx), static_cast<float>(camera.fy), static_cast<float>(camera.cx),
+              static_cast<float>(camera.cy));
+  glUniform1i(kSensorKind, input.sensor.shader_kind());
+  glUniform1f(kSensorConstant, static_cast<float>(input.sensor.constant_m()));
+  glUniform1f(kFixedThreshold, is_fixed ? value : 0.0F);
+  glUniform1f(kSigmas, value);
+  glUniform1f(kModelSigma, static_cast<float>(kModelSigma_m));
+  glUniform1f(kLargestThreshold, static_cast<float>(kLargestThreshold_m));
+  glUniform1i(kLargestReach, kLargestReach_px);
+  const PoseCovariance covariance = 0.5 * (input.pose.covariance + input.pose.covariance.transpose());
+  set_matrix(kCovarianceTt, covariance.topLeftCorner<3, 3>());
+  set_matrix(kCovarianceTr, covariance.topRightCorner<3, 3>());
+  set_matrix(kCovarianceRr, covariance.bottomRightCorner<3, 3>());
+}
+
+void bind_texture(GLuint unit, GLuint texture) {
+  glActiveTexture(GL_TEXTURE0 + unit);
+  glBindTexture(GL_TEXTURE_2D, texture);
+}
+
+Comparison unpack(const Image<PackedPixel>& packed, const DepthImage& measured) {
+  const int width = packed.width();
+  const int height = packed.height();
+  Comparison result{Image<Label>(width, height), Image<float>(width, height), DepthImage(width, height),
+                    Image<std::uint32_t>(width, height), Image<float>(width, height)};
+  for (std::size_t i = 0; i < packed.size(); ++i) {
+    const PackedPixel& pixel = packed.data()[i];
+    const float expected_m = std::bit_cast<float>(pixel.expected_bits);
+    const float threshold_m = std::bit_cast<float>(pixel.threshold_bits);
+    const float measured_m = measured.data()[i];
+    const bool both = expected_m > 0 && measured_m > 0;
+    result.labels.data()[i] = static_cast<Label>(pixel.label);
+    result.expected.data()[i] = expected_m;
+    result.node_index.data()[i] = pixel.node;
+    result.threshold_m.data()[i] =
+        threshold_m < rule::kNoThreshold_m ? threshold_m : std::numeric_limits<float>::infinity();
+    result.difference_m.data()[i] = both ? measured_m - expected_m : std::numeric_limits<float>::quiet_NaN();
+  }
+  return result;
+}
+
+class GlComparator final : public Comparator {
+ public:
+  GlComparator(GpuContext& context, std::unique_ptr<SceneRenderer> renderer, Program program, Targets targets)
+      : context_{context}, renderer_{std::move(renderer)}, program_{std::move(program)}, targets_{std::move(targets)} {}
+  GlComparator(const GlComparator&) = delete;
+  GlComparator& operator=(const GlComparator&) = delete;
+  // The members are freed in the context that made them.
+  ~GlComparator() override { context_.make_current(); }
+
+  Result<Comparison> compare(const CompareInput& input, CompareTimes* times) override;
+
+ private:
+  void upload(const DepthImage& measured);
+  void draw(const CompareInput& input);
+  [[nodiscard]] Image<PackedPixel> read_back() const;
+
+  GpuContext& context_;
+  std::unique_ptr<SceneRenderer> renderer_;
+  Program program_;
+  Targets targets_;
+  VertexArray no_vertices_;
+};
+
+void GlComparator::upload(const DepthImage& measured) {
+  if (measured.width() != targets_.width || measured.height() != targets_.height) {
+    targets_ = Targets(measured.width(), measured.height());
+  }
+  bind_texture(0, targets_.measured.name());
+  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, measured.width(), measured.height(), GL_RED, GL_FLOAT, measured.data());
+}
+
+// The renderer, which has just drawn, left blending, culling and scissors off.
+void GlComparator::draw(const CompareInput& input) {
+  glBindFramebuffer(GL_FRAMEBUFFER, targets_.framebuffer.name());
+  glViewport(0, 0, targets_.width, targets_.height);
+  glDisable(GL_DEPTH_TEST);
+  bind_texture(2, renderer_->node_texture());
+  bind_texture(1, renderer_->depth_texture());
+  bind_texture(0, targets_.measured.name());
+  program_.use();
+  set_uniforms(input);
+  glBindVertexArray(no_vertices_.name());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glBindVertexArray(0);
+}
+
+Image<PackedPixel> GlComparator::read_back() const {
+  Image<PackedPixel> packed(targets_.width, targets_.height);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, targets_.framebuffer.name());
+  glReadBuffer(GL_COLOR_ATTACHMENT0);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  glReadPixels(0, 0, targets_.width, targets_.height, GL_RGBA_INTEGER, GL_UNSIGNED_INT, packed.data());
+  return packed;
+}
+
+Result<Comparison> GlComparator::compare(const CompareInput& input, CompareTimes* times) {
+  if (auto valid = validate(input); !valid) return fail(valid.error());
+  context_.make_current();
+  Stopwatch watch;
+  // Waiting between the steps costs time; it is done only for somebody who wants to know.
+  const auto lap = [&](double CompareTimes::*step) {
+    if (times == nullptr) return;
+    glFinish();
+    times->*step = watch.milliseconds();
+    watch.restart();
+  };
+  DepthImage measured = *input.measured;
+  for (float& z : measured.pixels()) z = usable_depth(z);
+  upload(measured);
+  lap(&CompareTimes::upload_ms);
+  SceneView view;
+  view.camera = input.camera;
+  view.T_camera_world = input.pose.T_camera_world;
+  renderer_->render(*input.model, view);
+  lap(&CompareTimes::render_ms);
+  draw(input);
+  lap(&CompareTimes::compare_ms);
+  auto result = unpack(read_back(), measured);
+  lap(&CompareTimes::readback_ms);
+  return result;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Comparator>> Comparator::create(GpuContext& context) {
+  constexpr int kFirstSize = 16;
+  auto renderer = SceneRenderer::create(context);
+  if (!renderer) return fail(renderer.error());
+  auto program = Program::create(shaders::compare_vert, shaders::compare_frag);
+  if (!program) return fail("preparing the comparison", program.error());
+  Targets targets(kFirstSize, kFirstSize);
+  if (auto usable = check_framebuffer("images of labels and thresholds"); !usable) return fail(usable.error());
+  return std::unique_ptr<Comparator>{
+      std::make_unique<GlComparator>(context, std::move(*renderer), std::move(*program), std::move(targets))};
+}
+
+}  // namespace meshloop

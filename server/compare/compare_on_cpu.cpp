@@ -1,0 +1,62 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/change/classify_rule.h"
+#include "server/compare/comparator.h"
+#include "server/compare/compare_input.h"
+#include "server/compare/pixel_uncertainty.h"
+
+namespace meshloop {
+namespace {
+
+struct Neighbourhood {
+  float nearest_m = 0;
+  float farthest_m = 0;
+  bool has_gap = false;
+};
+
+Neighbourhood look_around(const DepthImage& expected, int u, int v, int reach) {
+  Neighbourhood found;
+  for (int y = std::max(v - reach, 0); y <= std::min(v + reach, expected.height() - 1); ++y) {
+    for (int x = std::max(u - reach, 0); x <= std::min(u + reach, expected.width() - 1); ++x) {
+      const float z = expected(x, y);
+      if (z > 0) {
+        found.nearest_m = found.nearest_m > 0 ? std::min(found.nearest_m, z) : z;
+        found.farthest_m = std::max(found.farthest_m, z);
+      } else {
+        found.has_gap = true;
+      }
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+Comparison compare_on_cpu(const CompareInput& input, const DepthImage& expected,
+                          const Image<std::uint32_t>& node_index) {
+  const int width = expected.width();
+  const int height = expected.height();
+  constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kUnknown = std::numeric_limits<float>::infinity();
+  Comparison result{Image<Label>(width, height), Image<float>(width, height, kNothing), expected, node_index,
+                    Image<float>(width, height, kUnknown)};
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      const float measured_m = usable_depth((*input.measured)(u, v));
+      if (measured_m <= 0) continue;
+      const float expected_m = expected(u, v);
+      const auto [threshold, reach] = pixel_uncertainty(input, expected, u, v, static_cast<double>(measured_m));
+      const auto threshold_m = static_cast<float>(threshold);
+      const auto [nearest, farthest, has_gap] = look_around(expected, u, v, reach);
+      result.labels(u, v) =
+          static_cast<Label>(rule::classify(measured_m, expected_m, threshold_m, nearest, farthest, has_gap));
+      if (expected_m > 0) result.difference_m(u, v) = measured_m - expected_m;
+      if (threshold_m < rule::kNoThreshold_m) result.threshold_m(u, v) = threshold_m;
+    }
+  }
+  return result;
+}
+
+}  // namespace meshloop

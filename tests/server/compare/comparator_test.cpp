@@ -1,0 +1,268 @@
+#include "server/compare/comparator.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "compare_scene.h"
+
+namespace meshloop {
+namespace {
+
+using namespace compare_test;
+
+class ComparatorTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    auto context = GpuContext::create_headless();
+    ASSERT_TRUE(context) << context.error().message;
+    context_ = std::move(*context);
+    auto comparator = Comparator::create(*context_);
+    ASSERT_TRUE(comparator) << comparator.error().message;
+    comparator_ = std::move(*comparator);
+    input_.model = &model_;
+    input_.camera = camera_of(320, 240);
+    input_.pose = room_pose();
+    input_.measured = &measured_;
+  }
+  void look_at(const Model& real, unsigned seed) {
+    measured_ = measure(render_depth(real, input_.camera, input_.pose.T_camera_world), input_.sensor, seed);
+  }
+  Comparison on_cpu() const {
+    DepthImage depth;
+    Image<std::uint32_t> nodes;
+    render_on_cpu(model_, input_.camera, input_.pose.T_camera_world, depth, nodes);
+    return compare_on_cpu(input_, depth, nodes);
+  }
+  Comparison on_gpu() {
+    auto result = comparator_->compare(input_, nullptr);
+    EXPECT_TRUE(result) << (result ? "" : result.error().message);
+    return result ? std::move(*result) : Comparison{};
+  }
+
+  std::unique_ptr<GpuContext> context_;
+  std::unique_ptr<Comparator> comparator_;
+  Model model_ = room_model();
+  DepthImage measured_;
+  CompareInput input_;
+};
+
+// True where a pixel within `reach` shows another node, or none.
+bool is_near_edge(const Image<std::uint32_t>& nodes, int u, int v, int reach) {
+  for (int y = std::max(v - reach, 0); y <= std::min(v + reach, nodes.height() - 1); ++y) {
+    for (int x = std::max(u - reach, 0); x <= std::min(u + reach, nodes.width() - 1); ++x) {
+      if (nodes(x, y) != nodes(u, v)) return true;
+    }
+  }
+  return false;
+}
+
+double agreement(const Image<Label>& a, const Image<Label>& b) {
+  std::size_t same = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) same += a.data()[i] == b.data()[i] ? 1U : 0U;
+  return static_cast<double>(same) / static_cast<double>(a.size());
+}
+
+TEST_F(ComparatorTest, ExpectedDepthIsThatOfTheCpuAwayFromEdges) {
+  look_at(model_, 1);
+  const auto cpu = on_cpu();
+  const auto gpu = on_gpu();
+  std::size_t compared = 0;
+  for (int v = 0; v < 240; ++v) {
+    for (int u = 0; u < 320; ++u) {
+      if (is_near_edge(cpu.node_index, u, v, 1)) continue;
+      ASSERT_EQ(cpu.node_index(u, v), gpu.node_index(u, v)) << u << ", " << v;
+      ASSERT_NEAR(cpu.expected(u, v), gpu.expected(u, v), 1e-4) << u << ", " << v;
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 320U * 240U * 9 / 10);
+}
+
+TEST_F(ComparatorTest, LabelsAgreeWithTheCpuForEverySensorAndThreshold) {
+  const auto constant = SensorModel::constant(0.002);
+  ASSERT_TRUE(constant);
+  const SensorModel sensors[] = {SensorModel{SensorModel::Kind::kinect1},
+                                 SensorModel{SensorModel::Kind::kinect1_khoshelham},
+                                 SensorModel{SensorModel::Kind::tof}, *constant};
+  const Threshold thresholds[] = {{Threshold::Kind::fixed, 0.02}, {Threshold::Kind::k_sigma, 3}};
+  unsigned seed = 10;
+  for (const auto& sensor : sensors) {
+    for (const auto& threshold : thresholds) {
+      input_.sensor = sensor;
+      input_.threshold = threshold;
+      look_at(changed_model(), ++seed);
+      const auto cpu = on_cpu();
+      const auto gpu = on_gpu();
+      EXPECT_GE(agreement(cpu.labels, gpu.labels), 0.999) << sensor.name() << ", threshold " << threshold.value;
+      for (const Label label : {Label::unmeasured, Label::unmodelled, Label::closer, Label::farther, Label::agrees}) {
+        EXPECT_GT(cpu.counts()[static_cast<std::size_t>(label)], 50U) << sensor.name() << ": " << info(label).name;
+      }
+    }
+  }
+}
+
+TEST_F(ComparatorTest, ThresholdsAndDifferencesAreThoseOfTheCpu) {
+  look_at(changed_model(), 3);
+  const auto cpu = on_cpu();
+  const auto gpu = on_gpu();
+  std::size_t compared = 0;
+  for (int v = 0; v < 240; ++v) {
+    for (int u = 0; u < 320; ++u) {
+      if (is_near_edge(cpu.node_index, u, v, 2)) continue;
+      const float threshold = cpu.threshold_m(u, v);
+      if (std::isinf(threshold) || std::isinf(gpu.threshold_m(u, v))) continue;
+      // The slope of a rendered ball changes from triangle to triangle.
+      if (cpu.node_index(u, v) != 4) {
+        ASSERT_NEAR(gpu.threshold_m(u, v), threshold, 0.01 * threshold) << u << ", " << v;
+        ++compared;
+      }
+      ASSERT_EQ(std::isnan(cpu.difference_m(u, v)), std::isnan(gpu.difference_m(u, v)));
+      if (!std::isnan(cpu.difference_m(u, v))) {
+        ASSERT_NEAR(cpu.difference_m(u, v), gpu.difference_m(u, v), 1e-4);
+      }
+    }
+  }
+  EXPECT_GT(compared, 40000U);
+}
+
+TEST_F(ComparatorTest, NoiseFreeComparisonIsExactToThePixel) {
+  input_.sensor = *SensorModel::constant(0.0005);
+  input_.pose.covariance = 1e-12 * PoseCovariance::Identity();
+  Model real = model_;
+  add(real, box({0.2F, 0.3F, 0.2F}), at(0.5, 0.3, 1.3, 0.4));
+  const DepthImage exact = render_depth(real, input_.camera, input_.pose.T_camera_world);
+  measured_ = exact;
+  const DepthImage expected = render_depth(model_, input_.camera, input_.pose.T_camera_world);
+  const auto labels = on_cpu().labels;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    const Label label = labels.data()[i];
+    if (label == Label::undecided) continue;
+    const bool is_changed = exact.data()[i] != expected.data()[i];
+    ASSERT_EQ(is_change(label), is_changed) << i;
+  }
+  EXPECT_LT(on_cpu().counts()[static_cast<std::size_t>(Label::undecided)], 320U * 240U / 200);
+}
+
+TEST_F(ComparatorTest, NoiseAloneIsRarelyAChange) {
+  for (const auto kind : {SensorModel::Kind::kinect1, SensorModel::Kind::tof}) {
+    input_.sensor = SensorModel{kind};
+    look_at(model_, 21);
+    const auto counts = on_gpu().counts();
+    const auto changes = counts[1] + counts[2] + counts[3];
+    EXPECT_LT(static_cast<double>(changes), 0.005 * 320 * 240) << input_.sensor.name();
+    EXPECT_GT(static_cast<double>(counts[4]), 0.7 * 320 * 240) << input_.sensor.name();
+  }
+}
+
+TEST_F(ComparatorTest, PoseThatIsUncertainRaisesTheThreshold) {
+  look_at(model_, 5);
+  const auto sure = on_gpu();
+  input_.pose.covariance(2, 2) = 0.02 * 0.02;
+  const auto unsure = on_gpu();
+  EXPECT_GT(unsure.threshold_m(200, 40), 3 * 0.02F);
+  EXPECT_LT(sure.threshold_m(200, 40), 3 * 0.02F);
+}
+
+TEST_F(ComparatorTest, EmptyModelMakesEverythingMeasuredUnmodelled) {
+  look_at(model_, 6);
+  model_.nodes.clear();
+  const auto result = on_gpu();
+  for (std::size_t i = 0; i < measured_.size(); ++i) {
+    const bool is_measured = measured_.data()[i] > 0;
+    ASSERT_EQ(result.labels.data()[i], is_measured ? Label::unmodelled : Label::unmeasured);
+    ASSERT_TRUE(std::isnan(result.difference_m.data()[i]));
+  }
+}
+
+TEST_F(ComparatorTest, ValuesThatAreNotDepthsAreUnmeasured) {
+  look_at(model_, 7);
+  measured_(5, 100) = std::numeric_limits<float>::quiet_NaN();
+  measured_(6, 100) = std::numeric_limits<float>::infinity();
+  measured_(7, 100) = -1;
+  for (const auto& result : {on_gpu(), on_cpu()}) {
+    for (int u = 5; u <= 7; ++u) {
+      EXPECT_EQ(result.labels(u, 100), Label::unmeasured);
+      EXPECT_TRUE(std::isnan(result.difference_m(u, 100)));
+      EXPECT_TRUE(std::isinf(result.threshold_m(u, 100)));
+    }
+  }
+}
+
+TEST_F(ComparatorTest, SizeMayChangeFromFrameToFrame) {
+  look_at(model_, 8);
+  on_gpu();
+  input_.camera = camera_of(160, 120);
+  look_at(model_, 8);
+  const auto result = on_gpu();
+  EXPECT_EQ(result.labels.width(), 160);
+  EXPECT_GE(agreement(on_cpu().labels, result.labels), 0.998);
+}
+
+TEST_F(ComparatorTest, TimesAreOfEachStep) {
+  look_at(model_, 9);
+  CompareTimes times;
+  ASSERT_TRUE(comparator_->compare(input_, &times));
+  EXPECT_GT(times.upload_ms, 0);
+  EXPECT_GT(times.render_ms, 0);
+  EXPECT_GT(times.compare_ms, 0);
+  EXPECT_GT(times.readback_ms, 0);
+}
+
+class ComparatorRefuses : public ComparatorTest {
+ protected:
+  void SetUp() override {
+    ComparatorTest::SetUp();
+    look_at(model_, 1);
+  }
+  std::string refusal() {
+    const auto result = comparator_->compare(input_, nullptr);
+    return result ? "" : result.error().message;
+  }
+};
+
+TEST_F(ComparatorRefuses, DepthOfAnotherSize) {
+  measured_ = DepthImage(160, 120);
+  EXPECT_NE(refusal().find("160x120"), std::string::npos) << refusal();
+}
+
+TEST_F(ComparatorRefuses, PoseThatIsLost) {
+  input_.pose.state = TrackState::lost;
+  EXPECT_NE(refusal().find("lost"), std::string::npos);
+}
+
+TEST_F(ComparatorRefuses, PoseThatIsNotRigid) {
+  input_.pose.T_camera_world.linear() *= 1.1;
+  EXPECT_NE(refusal().find("rotation"), std::string::npos);
+  input_.pose.T_camera_world.linear().setConstant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_NE(refusal().find("rotation"), std::string::npos);
+}
+
+TEST_F(ComparatorRefuses, CovarianceThatIsNotANumber) {
+  input_.pose.covariance(3, 3) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(refusal().find("covariance"), std::string::npos);
+}
+
+TEST_F(ComparatorRefuses, ThresholdsThatAreNotAboveZero) {
+  for (const double value :
+       {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    input_.threshold.value = value;
+    EXPECT_NE(refusal().find("threshold"), std::string::npos) << value;
+  }
+}
+
+TEST_F(ComparatorRefuses, CameraThatIsNotOne) {
+  input_.camera.fx = 0;
+  EXPECT_NE(refusal().find("camera"), std::string::npos);
+}
+
+TEST_F(ComparatorRefuses, MissingModelOrImage) {
+  input_.measured = nullptr;
+  EXPECT_FALSE(refusal().empty());
+  input_.measured = &measured_;
+  input_.model = nullptr;
+  EXPECT_FALSE(refusal().empty());
+}
+
+}  // namespace
+}  // namespace meshloop
