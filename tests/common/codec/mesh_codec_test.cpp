@@ -21,7 +21,8 @@ void expect_same_faces_after_round_trip(const Submesh& submesh, int speed = Enco
   const auto decoded = decode(*bytes);
   ASSERT_TRUE(decoded) << decoded.error().message;
   EXPECT_EQ(decoded->has_colors(), submesh.has_colors());
-  EXPECT_EQ(faces_of(*decoded), faces_of(submesh));
+  EXPECT_EQ(decoded->triangles.size(), submesh.triangles.size());
+  EXPECT_TRUE(faces_of(*decoded) == faces_of(submesh)) << "speed " << speed;
 }
 
 TEST(MeshCodec, KeepsEveryTriangleOfADepthGridExactlyAtEverySpeed) {

@@ -56,7 +56,7 @@ using Corner = std::tuple<float, float, float, int, int, int>;
 using Face = std::array<Corner, 3>;
 
 /// The triangles as a sorted list of exact positions and colours: equal for meshes that differ in order only. Each
-/// starts at its smallest corner, so that the winding counts.
+/// is turned to its smallest order, so that the winding counts.
 inline std::vector<Face> faces_of(const Submesh& submesh) {
   std::vector<Face> faces;
   for (const auto& triangle : submesh.triangles) {
@@ -66,8 +66,8 @@ inline std::vector<Face> faces_of(const Submesh& submesh) {
       const Rgb8 color = submesh.has_colors() ? submesh.colors[triangle[k]] : Rgb8{};
       face[k] = {p.x(), p.y(), p.z(), color.r, color.g, color.b};
     }
-    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
-    faces.push_back(face);
+    const Face once{face[1], face[2], face[0]}, twice{face[2], face[0], face[1]};
+    faces.push_back(std::min({face, once, twice}));
   }
   std::sort(faces.begin(), faces.end());
   return faces;
