@@ -1,0 +1,131 @@
+#include "server/show/overlay.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "server/show/blend.h"
+#include "server/show/carry.h"
+#include "server/show/picture.h"
+
+namespace meshloop {
+namespace {
+
+using Shown = std::array<bool, kLabels.size()>;
+
+template <class A, class B>
+bool same_size(const Image<A>& a, const Image<B>& b) {
+  return a.width() == b.width() && a.height() == b.height() && !a.empty();
+}
+
+bool complete(const Comparison& c, const DepthImage& measured) {
+  return same_size(c.labels, measured) && same_size(c.difference_m, measured) && same_size(c.expected, measured);
+}
+
+/// Depths of the 2nd and 98th percentile, so that a few wrong measurements do not take the contrast.
+struct Range {
+  float near_m = 0;
+  float far_m = 1;
+};
+
+Range robust_range(const DepthImage& measured) {
+  constexpr float kBin_m = 0.002f;
+  constexpr std::size_t kBins = 8192;
+  std::vector<std::size_t> histogram(kBins, 0);
+  std::size_t all = 0;
+  for (const float z : measured.pixels()) {
+    if (!(z > 0)) continue;
+    ++histogram[std::min(static_cast<std::size_t>(std::min(z / kBin_m, 1e6f)), kBins - 1)];
+    ++all;
+  }
+  const auto percentile = [&](double share) {
+    const auto wanted = static_cast<std::size_t>(share * static_cast<double>(all));
+    std::size_t below = 0;
+    for (std::size_t i = 0; i < kBins; ++i) {
+      below += histogram[i];
+      if (below > wanted) return kBin_m * (static_cast<float>(i) + 0.5f);
+    }
+    return kBin_m * static_cast<float>(kBins);
+  };
+  return {percentile(0.02), percentile(0.98)};
+}
+
+// Near is bright; not so bright or dark that colours over it could not be told.
+ColorImage depth_as_grey(const DepthImage& measured) {
+  constexpr float kBright = 225;
+  constexpr float kDark = 50;
+  const Range range = robust_range(measured);
+  const float scale = (kBright - kDark) / std::max(range.far_m - range.near_m, 1e-3f);
+  ColorImage grey{measured.width(), measured.height()};
+  std::transform(measured.pixels().begin(), measured.pixels().end(), grey.pixels().begin(), [&](float z) {
+    if (!(z > 0)) return Rgb8{};
+    const auto value = static_cast<std::uint8_t>(std::clamp(kBright - (z - range.near_m) * scale, kDark, kBright));
+    return Rgb8{value, value, value};
+  });
+  return grey;
+}
+
+Rgb8 covered(Rgb8 below, Label label, float difference_m, const OverlayOptions& options) {
+  if (info(label).opacity == Opacity::transparent) return below;
+  return show::blend(below, show::color_of(label, options.palette), show::alpha_of(label, difference_m, options));
+}
+
+std::vector<show::Mark> marks_of(const RegionMap& regions, const Image<std::uint32_t>& source) {
+  std::unordered_map<RegionId, Eigen::AlignedBox2i> boxes;
+  RegionId last = 0;
+  Eigen::AlignedBox2i* box = nullptr;
+  for (int y = 0; y < source.height(); ++y) {
+    for (int x = 0; x < source.width(); ++x) {
+      const std::uint32_t from = source(x, y);
+      if (from == 0) continue;
+      const RegionId id = regions.ids.data()[from - 1];
+      if (id == 0) continue;
+      if (id != last) box = &boxes[last = id];
+      box->extend(Eigen::Vector2i{x, y});
+    }
+  }
+  std::vector<show::Mark> marks;
+  for (const auto& region : regions.regions) {
+    const auto seen = boxes.find(region.id);
+    if (!region.confirmed || seen == boxes.end()) continue;
+    marks.push_back({seen->second, fmt::format("{}: {:.0f} cm2", region.id, region.area_m2 * 1e4)});
+  }
+  return marks;
+}
+
+}  // namespace
+
+ColorImage overlay_on_depth(const Comparison& comparison, const DepthImage& measured, const OverlayOptions& options) {
+  if (!complete(comparison, measured)) return {};
+  ColorImage picture = depth_as_grey(measured);
+  Shown shown{};
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    const Label label = comparison.labels.data()[i];
+    shown[static_cast<std::size_t>(label)] = true;
+    picture.data()[i] = covered(picture.data()[i], label, comparison.difference_m.data()[i], options);
+  }
+  return show::finish(picture, {}, shown, options);
+}
+
+ColorImage overlay_on_color(const Comparison& comparison, const DepthImage& measured, const ColorImage& color,
+                            const Rig& rig, const RegionMap* regions, const OverlayOptions& options) {
+  const bool fits = color.width() == rig.color.width && color.height() == rig.color.height && !color.empty() &&
+                    measured.width() == rig.depth.width && measured.height() == rig.depth.height;
+  if (!fits || !complete(comparison, measured)) return {};
+  const auto source = show::carry_to_color(comparison, measured, rig);
+  ColorImage picture = to_color(to_grey(color));
+  Shown shown{};
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    const std::uint32_t from = source.data()[i];
+    if (from == 0) continue;
+    const Label label = comparison.labels.data()[from - 1];
+    shown[static_cast<std::size_t>(label)] = true;
+    picture.data()[i] = covered(picture.data()[i], label, comparison.difference_m.data()[from - 1], options);
+  }
+  const bool mark = regions != nullptr && same_size(regions->ids, measured);
+  return show::finish(picture, mark ? marks_of(*regions, source) : std::vector<show::Mark>{}, shown, options);
+}
+
+}  // namespace meshloop
