@@ -1,5 +1,5 @@
 #pragma once
-#include <memory>
+#include <vector>
 
 #include "common/change/comparison.h"
 #include "common/change/region.h"
@@ -15,21 +15,37 @@ struct RegionOptions {
   double min_area_m2 = 1e-4;
   /// Seen in this many frames before it is offered.
   int confirm_frames = 3;
+  /// How many sigma the comparison's thresholds stand for; a region's significance follows from it.
+  double sigmas_per_threshold = 3;
+  /// A region that was not seen for this many frames is forgotten: 5 when it was never confirmed.
+  int forget_after_frames = 300;
 };
 
 /// Groups changed pixels into regions and follows them from frame to frame (ids are stable, by overlap in the world).
+///
+/// A region's surface is the measured one where something was inserted and the expected one where something was
+/// removed: its area and its world box are those of the thing that came or went. A region map holds all regions of the
+/// frame that are large enough, in the order of their ids, confirmed or not; only changed pixels carry an id.
 class RegionTracker {
  public:
   explicit RegionTracker(const RegionOptions& options) : options_{options} {}
-  /// Frames in the order of time. T_camera_world and camera are the depth camera's.
+  /// Frames in the order of time. T_camera_world and camera are the depth camera's. All images have one size; when they
+  /// do not, the map is empty.
   RegionMap update(const Comparison& comparison, const DepthImage& measured, const Camera& camera,
                    const Pose& T_camera_world);
-  /// Forgets all (after the model changed, the regions are other ones).
+  /// Forgets all (after the model changed, the regions are other ones). Ids go on from where they were.
   void reset();
 
  private:
+  struct Known {
+    Region region;
+    int frames_unseen = 0;
+  };
+  void recognise(std::vector<Region>& regions);
+  void forget();
+
   RegionOptions options_;
-  std::vector<Region> known_;
+  std::vector<Known> known_;
   RegionId next_id_ = 1;
 };
 

@@ -1,0 +1,197 @@
+#include "server/compare/region_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "server/compare/components.h"
+
+namespace meshloop {
+namespace {
+
+// A measurement where the model has nothing has no difference to measure it by.
+constexpr double kUnmodelledSignificance = 10;
+// World boxes are flat where surfaces are, and shake with the noise.
+constexpr double kBoxMargin_m = 0.02;
+// Of the smaller box; less is another piece of the world.
+constexpr double kLeastOverlap = 0.2;
+constexpr int kForgetUnconfirmedAfter = 5;
+
+// The part of an image's area that RegionOptions::min_pixels is meant for.
+double scale_of(const Camera& camera) {
+  return camera.width * static_cast<double>(camera.height) / (640.0 * 480.0);
+}
+
+struct Sums {
+  Region region;
+  double difference_m = 0;
+  double significance = 0;
+  int pixels_with_difference = 0;
+};
+
+struct PixelChange {
+  int u;
+  int v;
+  Label label;
+  /// Of the thing that came or went.
+  double depth_m;
+  double difference_m;
+  double sigma_m;
+};
+
+void add_pixel(Sums& sums, const PixelChange& pixel, const Camera& camera, const Pose& T_world_camera) {
+  Region& region = sums.region;
+  region.kind = kind_of(pixel.label);
+  ++region.pixels;
+  region.area_m2 += pixel.depth_m * pixel.depth_m / (camera.fx * camera.fy);
+  region.pixel_box.extend(Eigen::Vector2i(pixel.u, pixel.v));
+  region.world_box.extend(T_world_camera * camera.back_project(pixel.u, pixel.v, pixel.depth_m));
+  if (pixel.label == Label::unmodelled) {
+    sums.significance += kUnmodelledSignificance;
+    return;
+  }
+  ++sums.pixels_with_difference;
+  sums.difference_m += pixel.difference_m;
+  sums.significance += std::abs(pixel.difference_m) / pixel.sigma_m;
+  if (std::abs(pixel.difference_m) > std::abs(region.max_difference_m)) region.max_difference_m = pixel.difference_m;
+}
+
+Region finish(Sums& sums) {
+  Region& region = sums.region;
+  if (sums.pixels_with_difference > 0) region.mean_difference_m = sums.difference_m / sums.pixels_with_difference;
+  region.significance = sums.significance / std::max(region.pixels, 1);
+  return region;
+}
+
+std::vector<Region> measure_components(const Components& components, const Comparison& comparison,
+                                       const DepthImage& measured, const Camera& camera, const Pose& T_camera_world,
+                                       double sigmas_per_threshold) {
+  std::vector<Sums> sums(components.count);
+  const Pose T_world_camera = T_camera_world.inverse();
+  for (int v = 0; v < measured.height(); ++v) {
+    for (int u = 0; u < measured.width(); ++u) {
+      const std::uint32_t number = components.numbers(u, v);
+      if (number == 0) continue;
+      const Label label = comparison.labels(u, v);
+      const float depth_m = label == Label::farther ? comparison.expected(u, v) : measured(u, v);
+      add_pixel(sums[number - 1],
+                {u, v, label, static_cast<double>(depth_m), static_cast<double>(comparison.difference_m(u, v)),
+                 static_cast<double>(comparison.threshold_m(u, v)) / sigmas_per_threshold},
+                camera, T_world_camera);
+    }
+  }
+  std::vector<Region> regions;
+  for (auto& sum : sums) regions.push_back(finish(sum));
+  return regions;
+}
+
+double volume(const Eigen::AlignedBox3d& box) {
+  return box.isEmpty() ? 0.0 : box.volume();
+}
+
+// 0 to 1: how much of the smaller box lies in the other.
+double overlap(const Region& a, const Region& b) {
+  if (a.kind != b.kind) return 0;
+  const Eigen::Vector3d margin = Eigen::Vector3d::Constant(kBoxMargin_m);
+  const Eigen::AlignedBox3d wide_a{a.world_box.min() - margin, a.world_box.max() + margin};
+  const Eigen::AlignedBox3d wide_b{b.world_box.min() - margin, b.world_box.max() + margin};
+  return volume(wide_a.intersection(wide_b)) / std::min(volume(wide_a), volume(wide_b));
+}
+
+struct Match {
+  // Among regions that lie in each other, the one of the same size is meant.
+  double score;
+  std::size_t region;
+  std::size_t known;
+};
+
+double score_of(const Region& a, const Region& b) {
+  const double shared = overlap(a, b);
+  if (shared < kLeastOverlap) return 0;
+  return shared * std::min(a.area_m2, b.area_m2) / std::max(a.area_m2, b.area_m2);
+}
+
+bool same_size(const Comparison& comparison, const DepthImage& measured) {
+  const auto fits = [&](const auto& image) {
+    return image.width() == measured.width() && image.height() == measured.height();
+  };
+  return fits(comparison.labels) && fits(comparison.difference_m) && fits(comparison.expected) &&
+         fits(comparison.threshold_m);
+}
+
+}  // namespace
+
+RegionMap RegionTracker::update(const Comparison& comparison, const DepthImage& measured, const Camera& camera,
+                                const Pose& T_camera_world) {
+  if (!same_size(comparison, measured)) return {};
+  const Components components = connect_changes(comparison.labels);
+  const auto all =
+      measure_components(components, comparison, measured, camera, T_camera_world, options_.sigmas_per_threshold);
+  const double least_pixels = options_.min_pixels * scale_of(camera);
+  std::vector<Region> kept;
+  std::vector<std::size_t> kept_at(all.size() + 1, 0);  // by component number: position in `kept` plus 1
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].pixels < least_pixels || all[i].area_m2 < options_.min_area_m2) continue;
+    kept.push_back(all[i]);
+    kept_at[i + 1] = kept.size();
+  }
+  recognise(kept);
+  forget();
+
+  RegionMap map{Image<RegionId>(measured.width(), measured.height()), {}};
+  for (std::size_t i = 0; i < map.ids.size(); ++i) {
+    const std::size_t position = kept_at[components.numbers.data()[i]];
+    if (position != 0) map.ids.data()[i] = kept[position - 1].id;
+  }
+  map.regions = std::move(kept);
+  std::sort(map.regions.begin(), map.regions.end(), [](const Region& a, const Region& b) { return a.id < b.id; });
+  return map;
+}
+
+// The best pairs first; each known region is found again at most once.
+void RegionTracker::recognise(std::vector<Region>& regions) {
+  for (auto& known : known_) ++known.frames_unseen;
+  std::vector<Match> matches;
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    for (std::size_t k = 0; k < known_.size(); ++k) {
+      const double score = score_of(regions[r], known_[k].region);
+      if (score > 0) matches.push_back({score, r, k});
+    }
+  }
+  std::sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
+    return std::tuple(-a.score, a.known, a.region) < std::tuple(-b.score, b.known, b.region);
+  });
+  for (const auto& match : matches) {
+    Region& region = regions[match.region];
+    Known& known = known_[match.known];
+    if (region.id != 0 || known.frames_unseen == 0) continue;
+    region.id = known.region.id;
+    region.frames_seen = known.region.frames_seen;
+    known.frames_unseen = 0;
+  }
+  for (auto& region : regions) {
+    const bool is_new = region.id == 0;
+    if (is_new) region.id = next_id_++;
+    ++region.frames_seen;
+    region.confirmed = region.frames_seen >= options_.confirm_frames;
+    const auto same_id = [&](const Known& known) { return known.region.id == region.id; };
+    if (is_new) {
+      known_.push_back({region, 0});
+    } else {
+      std::find_if(known_.begin(), known_.end(), same_id)->region = region;
+    }
+  }
+}
+
+void RegionTracker::forget() {
+  std::erase_if(known_, [&](const Known& known) {
+    return known.frames_unseen > (known.region.confirmed ? options_.forget_after_frames : kForgetUnconfirmedAfter);
+  });
+}
+
+void RegionTracker::reset() {
+  known_.clear();
+}
+
+}  // namespace meshloop
