@@ -8,7 +8,7 @@
 namespace meshloop {
 namespace {
 
-constexpr int kBlock = 5;
+constexpr int kBlock = 3;
 
 struct Candidate {
   float response;

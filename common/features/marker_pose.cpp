@@ -1,6 +1,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "common/features/closed_form_pose.h"
 #include "common/features/markers.h"
@@ -12,6 +14,8 @@ namespace {
 constexpr double kCornerSigmaPx = 0.1;
 // Beyond this a corner contradicts the others: its marker was moved, or is not the one it seems to be.
 constexpr double kContradictionPx = 5;
+// How far the pose of one marker alone may put another one off.
+constexpr double kStartPx = 20;
 // Two poses this near are the same minimum.
 constexpr double kSameAngle = 0.01;
 constexpr double kSameShift = 0.01;
@@ -90,13 +94,41 @@ bool clearly_better(const RobustPose& a, const RobustPose& b) {
   return squares(b) - squares(a) > kClearlyBetter * variance;
 }
 
-// All minima that the markers' own poses lead to, best first.
-std::vector<RobustPose> minima(const std::vector<KnownSighting>& known, const Camera& camera,
-                               const std::optional<Pose>& prior) {
-  const std::vector<PointObservation> points = observations_of(known);
+double worst_error(const KnownSighting& known, const Camera& camera, const Pose& pose) {
+  double worst = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Eigen::Vector3d p = pose * known.marker->corners[k];
+    if (p.z() <= 0) return std::numeric_limits<double>::infinity();
+    worst = std::max(worst, (camera.project(p) - known.sighting->pixels[k]).norm());
+  }
+  return worst;
+}
+
+// Refined with the markers that lie within `gate_px` of where the start has them; with at least one of them.
+std::optional<RobustPose> refine_with(const std::vector<KnownSighting>& known, const Camera& camera, const Pose& start,
+                                      double gate_px) {
+  std::vector<KnownSighting> agreeing;
+  for (const KnownSighting& one : known) {
+    if (worst_error(one, camera, start) <= gate_px) agreeing.push_back(one);
+  }
   RobustPoseOptions options;
   options.max_error_px = kContradictionPx;
   options.min_inliers = 4;
+  auto pose = refine_pose(observations_of(agreeing), camera, start, options);
+  if (!pose) return std::nullopt;
+  const std::vector<bool> inlier = std::move(pose->inlier);
+  pose->inlier.clear();
+  std::size_t next = 0;
+  for (const KnownSighting& one : known) {
+    const bool agrees = worst_error(one, camera, start) <= gate_px;
+    for (std::size_t k = 0; k < 4; ++k) pose->inlier.push_back(agrees && inlier[next++]);
+  }
+  return pose;
+}
+
+// All minima that the markers' own poses lead to, best first.
+std::vector<RobustPose> minima(const std::vector<KnownSighting>& known, const Camera& camera,
+                               const std::optional<Pose>& prior) {
   std::vector<Pose> starts;
   if (prior) starts.push_back(*prior);
   for (const KnownSighting& one : known) {
@@ -104,7 +136,8 @@ std::vector<RobustPose> minima(const std::vector<KnownSighting>& known, const Ca
   }
   std::vector<RobustPose> found;
   for (const Pose& start : starts) {
-    const auto pose = refine_pose(points, camera, start, options);
+    const auto rough = refine_with(known, camera, start, kStartPx);
+    const auto pose = rough ? refine_with(known, camera, rough->T_camera_world, kContradictionPx) : std::nullopt;
     if (!pose) continue;
     const bool new_one = std::none_of(found.begin(), found.end(), [&](const RobustPose& other) {
       return same_minimum(other.T_camera_world, pose->T_camera_world);

@@ -5,6 +5,8 @@
 #include <opencv2/aruco.hpp>
 #include <string_view>
 
+#include "common/features/square_refinement.h"
+
 namespace meshloop {
 namespace {
 
@@ -24,7 +26,7 @@ cv::Mat view_for_reading(const GreyImage& image) {
 
 cv::Ptr<cv::aruco::DetectorParameters> detector_parameters() {
   const auto parameters = cv::aruco::DetectorParameters::create();
-  parameters->cornerRefinementMethod = cv::aruco::CORNER_REFINE_SUBPIX;
+  parameters->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
   return parameters;
 }
 
@@ -54,6 +56,8 @@ std::vector<MarkerSighting> MarkerDetector::detect(const GreyImage& image) const
   for (std::size_t i = 0; i < ids.size(); ++i) {
     sightings[i].id = ids[i];
     for (std::size_t k = 0; k < 4; ++k) sightings[i].pixels[k] = {corners[i][k].x, corners[i][k].y};
+    // A marker too small or too blurred for this keeps the corners that it was found with.
+    static_cast<void>(refine_square(image, dictionary_->codes->markerSize + 2, sightings[i].pixels));
   }
   return sightings;
 }
