@@ -20,10 +20,12 @@ struct DemoOptions {
 ///   model_before_move.ply  all solids, the box at its first place: a perfect model of the scene's first half
 ///   markers.yaml         the markers on the sideboard
 ///   station/             depth and colour recording; in its second half the box stands 2 cm away from where it was
-///   station_truth/       per depth frame: expected_NNNNNN.tiff (exact depth of the model at the start), measured_NNNNNN.tiff
-///                        (exact depth of the scene), previous_NNNNNN.tiff (exact depth of the scene with the box at its
-///                        first place; second half only)
-///   device_before_move/, device_after_move/   colour recordings on a circle around the scene, box at its first and second
+///   station_truth/       per depth frame: expected_NNNNNN.tiff (exact depth of the model at the start),
+///   measured_NNNNNN.tiff
+///                        (exact depth of the scene), previous_NNNNNN.tiff (exact depth of the scene with the box at
+///                        its first place; second half only)
+///   device_before_move/, device_after_move/   colour recordings on a circle around the scene, box at its first and
+///   second
 ///                        place, with groundtruth.txt
 /// Calls progress(done, all) from time to time.
 [[nodiscard]] Status write_demo_data(const std::filesystem::path& folder, const DemoOptions& options,

@@ -1,0 +1,138 @@
+// The ray casting behind cast_depth and cast_color.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include "common/simulation/light.h"
+#include "common/simulation/parallel.h"
+#include "common/simulation/sensor.h"
+#include "common/simulation/solid_shape.h"
+#include "common/simulation/view_cast.h"
+
+namespace meshloop::simulation {
+namespace {
+
+// Colours of neighbours that differ by more than this (grey levels, any channel) are worth more rays.
+constexpr int kVisibleStep = 10;
+
+int threads_for(int asked) {
+  return asked > 0 ? asked : processor_count();
+}
+
+// Calls work(tile column, tile row, u, v) for all pixels of a picture.
+template <class Work>
+void for_each_pixel(const ViewCast& view, const Camera& camera, int threads, const Work& work) {
+  for_each_parallel(view.tile_rows(), threads, [&](int tile_row) {
+    const int v_end = std::min(camera.height, (tile_row + 1) * ViewCast::kTile);
+    for (int v = tile_row * ViewCast::kTile; v < v_end; ++v) {
+      for (int u = 0; u < camera.width; ++u) work(u / ViewCast::kTile, tile_row, u, v);
+    }
+  });
+}
+
+struct Sample {
+  Rgb8 color;
+  /// Equal for rays that meet the same face in the same light.
+  std::uint32_t surface = 0;
+};
+
+std::uint8_t shade(std::uint8_t channel, double brightness) {
+  return static_cast<std::uint8_t>(std::min(255.0, channel * brightness + 0.5));
+}
+
+/// The colours along the rays of one view.
+class ColorCast {
+ public:
+  ColorCast(const Scene& scene, const Camera& camera, const Pose& T_camera_world)
+      : scene_{scene},
+        view_{scene, camera, T_camera_world, false},
+        light_{scene},
+        R_world_camera_{T_camera_world.linear().transpose()} {}
+
+  [[nodiscard]] const ViewCast& view() const { return view_; }
+
+  [[nodiscard]] Sample sample(int tile_column, int tile_row, double u, double v) const {
+    const Hit hit = view_.cast(tile_column, tile_row, u, v);
+    if (hit.solid < 0) return {scene_.background(R_world_camera_ * view_.ray(u, v)), 0};
+    const Solid& solid = scene_.solids[static_cast<std::size_t>(hit.solid)];
+    const Eigen::Vector3d normal_solid = normal_of_face(hit.face, hit.p_solid);
+    const Eigen::Vector3d normal = solid.T_world_solid.linear() * normal_solid;
+    const bool lit = light_.reaches(solid.T_world_solid * hit.p_solid, normal, hit.solid);
+    const Rgb8 paint = solid.texture(hit.p_solid, normal_solid);
+    const double brightness = light_.brightness(normal, lit);
+    const auto surface = static_cast<std::uint32_t>((hit.solid + 1) * 16 + hit.face * 2 + (lit ? 1 : 0));
+    return {{shade(paint.r, brightness), shade(paint.g, brightness), shade(paint.b, brightness)}, surface};
+  }
+
+  [[nodiscard]] Rgb8 mean(int tile_column, int tile_row, int u, int v, int n) const {
+    std::array<int, 3> sum{};
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i < n; ++i) {
+        const Rgb8 color = sample(tile_column, tile_row, u + (i + 0.5) / n - 0.5, v + (j + 0.5) / n - 0.5).color;
+        sum[0] += color.r;
+        sum[1] += color.g;
+        sum[2] += color.b;
+      }
+    }
+    const auto rounded = [count = n * n](int total) { return static_cast<std::uint8_t>((total + count / 2) / count); };
+    return {rounded(sum[0]), rounded(sum[1]), rounded(sum[2])};
+  }
+
+ private:
+  const Scene& scene_;
+  ViewCast view_;
+  Light light_;
+  Eigen::Matrix3d R_world_camera_;
+};
+
+bool differ(const Sample& a, const Sample& b) {
+  const int step =
+      std::max({std::abs(a.color.r - b.color.r), std::abs(a.color.g - b.color.g), std::abs(a.color.b - b.color.b)});
+  return a.surface != b.surface || step > kVisibleStep;
+}
+
+bool differs_from_neighbours(const Image<Sample>& samples, int u, int v) {
+  const Sample& centre = samples(u, v);
+  return (u > 0 && differ(centre, samples(u - 1, v))) ||
+         (u + 1 < samples.width() && differ(centre, samples(u + 1, v))) ||
+         (v > 0 && differ(centre, samples(u, v - 1))) ||
+         (v + 1 < samples.height() && differ(centre, samples(u, v + 1)));
+}
+
+}  // namespace
+
+ExactDepth cast_depth(const Scene& scene, const Camera& camera, const Pose& T_camera_world, bool modelled_only,
+                      int threads) {
+  ExactDepth exact{DepthImage{camera.width, camera.height}, Image<std::uint16_t>{camera.width, camera.height},
+                   Image<float>{camera.width, camera.height}};
+  const ViewCast view(scene, camera, T_camera_world, modelled_only);
+  for_each_pixel(view, camera, threads_for(threads), [&](int tile_column, int tile_row, int u, int v) {
+    const Hit hit = view.cast(tile_column, tile_row, u, v);
+    if (hit.solid < 0) return;
+    const Solid& solid = scene.solids[static_cast<std::size_t>(hit.solid)];
+    const Eigen::Matrix3d R_camera_solid = T_camera_world.linear() * solid.T_world_solid.linear();
+    const Eigen::Vector3d normal = R_camera_solid * normal_of_face(hit.face, hit.p_solid);
+    exact.depth(u, v) = static_cast<float>(hit.depth_m);
+    exact.solid(u, v) = static_cast<std::uint16_t>(hit.solid + 1);
+    exact.cos_theta(u, v) = static_cast<float>(std::abs(normal.dot(view.ray(u, v).normalized())));
+  });
+  return exact;
+}
+
+ColorImage cast_color(const Scene& scene, const Camera& camera, const Pose& T_camera_world, int supersampling,
+                      int threads) {
+  const ColorCast cast(scene, camera, T_camera_world);
+  Image<Sample> samples(camera.width, camera.height);
+  for_each_pixel(cast.view(), camera, threads_for(threads), [&](int tile_column, int tile_row, int u, int v) {
+    samples(u, v) = cast.sample(tile_column, tile_row, u, v);
+  });
+  ColorImage image(camera.width, camera.height);
+  for_each_pixel(cast.view(), camera, threads_for(threads), [&](int tile_column, int tile_row, int u, int v) {
+    const bool refine = supersampling > 1 && differs_from_neighbours(samples, u, v);
+    image(u, v) = refine ? cast.mean(tile_column, tile_row, u, v, supersampling) : samples(u, v).color;
+  });
+  return image;
+}
+
+}  // namespace meshloop::simulation

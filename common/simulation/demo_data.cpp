@@ -1,0 +1,115 @@
+#include "common/simulation/demo_data.h"
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "common/interchange/model_file.h"
+#include "common/recording/marker_file.h"
+#include "common/simulation/demo_recordings.h"
+#include "common/simulation/demo_scene.h"
+#include "common/simulation/random.h"
+
+namespace meshloop::simulation {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Gives about 100,000 triangles in the model.
+constexpr double kEdge_m = 0.02;
+
+Status check(const DemoOptions& options) {
+  if (!(options.noise >= 0 && options.noise <= 10)) return fail("noise must be from 0 to 10", ErrorKind::usage);
+  const auto usable = [](int frames) { return frames >= 2 && frames <= 100'000; };
+  if (!usable(options.station_frames) || !usable(options.device_frames)) {
+    return fail("a recording of the demo needs 2 to 100000 frames", ErrorKind::usage);
+  }
+  return {};
+}
+
+Status write_model(const Scene& scene, bool modelled_only, const fs::path& file) {
+  Model model;
+  model.revision = 1;
+  for (auto& [name, submesh] : tessellate(scene, modelled_only, kEdge_m)) {
+    model.nodes.push_back(make_node(model.nodes.size() + 1, name, std::move(submesh)));
+  }
+  return export_model(model, file);
+}
+
+/// Counts frames for the caller and keeps the first error, from any thread.
+class Progress {
+ public:
+  Progress(int all, const std::function<void(int, int)>& report) : all_{all}, report_{report} {}
+
+  [[nodiscard]] bool failed() const { return failed_; }
+  void frame_done(const Status& status) {
+    const std::lock_guard lock(mutex_);
+    if (!status && !error_) error_ = status.error();
+    failed_ = error_.has_value();
+    if (report_) report_(++done_, all_);
+  }
+  [[nodiscard]] Status status() const {
+    if (error_) return fail(*error_);
+    return {};
+  }
+
+ private:
+  std::mutex mutex_;
+  int all_;
+  const std::function<void(int, int)>& report_;
+  int done_ = 0;
+  std::optional<Error> error_;
+  std::atomic<bool> failed_ = false;
+};
+
+Status write_recordings(const fs::path& folder, const Scene& before, const Scene& after, const DemoOptions& options,
+                        const std::function<void(int, int)>& report) {
+  auto station = StationRecording::create(folder, before, after, options);
+  if (!station) return fail(station.error());
+  const std::uint64_t seed = mix(options.seed);
+  auto device_before = DeviceRecording::create(folder / "device_before_move", before, options, mix(seed + 1));
+  if (!device_before) return fail(device_before.error());
+  auto device_after = DeviceRecording::create(folder / "device_after_move", after, options, mix(seed + 2));
+  if (!device_after) return fail(device_after.error());
+
+  const int first_device = (*station)->frames();
+  const int second_device = first_device + (*device_before)->frames();
+  const int all = second_device + (*device_after)->frames();
+  Progress progress(all, report);
+  const auto make = [&](auto& recording, int index) {
+    // After a failure the others that wait for their turn must still get it.
+    if (progress.failed()) return recording.skip_frame(index);
+    progress.frame_done(recording.make_frame(index));
+  };
+  for_each_parallel(all, processor_count(), [&](int i) {
+    if (i < first_device) {
+      make(**station, i);
+    } else if (i < second_device) {
+      make(**device_before, i - first_device);
+    } else {
+      make(**device_after, i - second_device);
+    }
+  });
+  if (auto ok = progress.status(); !ok) return ok;
+  return (*station)->finish();
+}
+
+}  // namespace
+
+Status write_demo_data(const fs::path& folder, const DemoOptions& options,
+                       const std::function<void(int, int)>& progress) {
+  if (auto ok = check(options); !ok) return ok;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return fail("cannot make the folder '" + folder.string() + "': " + error.message());
+  const Scene before = make_demo_scene(options.seed);
+  const Scene after = with_moved_object(before, "box", kBoxMove_m);
+  if (auto ok = write_markers(folder / "markers.yaml", demo_markers()); !ok) return ok;
+  if (auto ok = write_model(before, true, folder / "model.ply"); !ok) return ok;
+  if (auto ok = write_model(before, false, folder / "model_before_move.ply"); !ok) return ok;
+  return write_recordings(folder, before, after, options, progress);
+}
+
+}  // namespace meshloop::simulation
