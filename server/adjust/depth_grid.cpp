@@ -8,6 +8,11 @@
 namespace meshloop::adjust {
 namespace {
 
+// Neither NaN nor infinite: one such neighbour would spoil a mean.
+bool is_depth(float z) {
+  return z > 0 && z < 1000;
+}
+
 bool touches_member(const DepthGrid& grid, int x, int y) {
   const int w = grid.window.width();
   const int h = grid.window.height();
@@ -28,7 +33,7 @@ void mark_members(DepthGrid& grid, const Comparison& comparison, const DepthImag
   for (int y = grid.window.y0; y < grid.window.y1; ++y) {
     for (int x = grid.window.x0; x < grid.window.x1; ++x, ++i) {
       const float z = measured(x, y);
-      if (ids(x, y) != region || kind_of(comparison.labels(x, y)) != ChangeKind::insertion || !(z > 0)) continue;
+      if (ids(x, y) != region || kind_of(comparison.labels(x, y)) != ChangeKind::insertion || !is_depth(z)) continue;
       grid.role[i] = Role::member;
       grid.z[i] = z;
     }
@@ -46,7 +51,7 @@ void mark_rim(DepthGrid& grid, const Comparison& comparison, const DepthImage& m
       const Label label = comparison.labels(u, v);
       if (label != Label::agrees && label != Label::undecided) continue;
       const float z = label == Label::agrees ? comparison.expected(u, v) : measured(u, v);
-      if (!(z > 0)) continue;
+      if (!is_depth(z)) continue;
       grid.role[i] = Role::rim;
       grid.z[i] = z;
     }
@@ -64,7 +69,8 @@ std::vector<float> padded_copy(const DepthImage& measured, const Window& window)
   const int last = std::min(window.x1 + kRadius, measured.width());
   for (int y = std::max(window.y0 - kRadius, 0); y < std::min(window.y1 + kRadius, measured.height()); ++y) {
     float* row = copy.data() + static_cast<std::ptrdiff_t>(y - window.y0 + kRadius) * w;
-    std::copy(&measured(first, y), &measured(first, y) + (last - first), row + (first - window.x0 + kRadius));
+    std::transform(&measured(first, y), &measured(first, y) + (last - first), row + (first - window.x0 + kRadius),
+                   [](float z) { return is_depth(z) ? z : 0.0f; });
   }
   return copy;
 }

@@ -1,7 +1,6 @@
 #include "server/show/blend.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace meshloop::show {
 namespace {
@@ -21,28 +20,16 @@ double solid_difference_m(const OverlayOptions& options) {
   return 1 / std::clamp(opacity, kSmallest_per_m, kLargest_per_m);
 }
 
-double alpha_of(Label label, float difference_m, const OverlayOptions& options) {
-  switch (info(label).opacity) {
-    case Opacity::by_difference: {
-      const double size = std::abs(static_cast<double>(difference_m));
-      return std::isfinite(size) ? std::min(1.0, size / solid_difference_m(options)) : 1.0;
-    }
-    case Opacity::constant: {
-      const double alpha = std::clamp(options.constant_alpha, 0.0, 1.0);
-      return label == Label::unmeasured ? kUnmeasuredShare * alpha : alpha;
-    }
-    case Opacity::transparent:
-      break;
+Paint::Paint(const OverlayOptions& options) {
+  const double given = std::isfinite(options.constant_alpha) ? options.constant_alpha : 0.0;
+  const double constant = std::clamp(given, 0.0, 1.0);
+  for (const auto& label : kLabels) {
+    Law& law = laws_[static_cast<std::size_t>(label.label)];
+    law.color = color_of(label.label, options.palette);
+    if (label.opacity == Opacity::by_difference) law.per_m = static_cast<float>(1 / solid_difference_m(options));
+    if (label.opacity != Opacity::constant) continue;
+    law.constant = static_cast<float>(label.label == Label::unmeasured ? kUnmeasuredShare * constant : constant);
   }
-  return 0;
-}
-
-Rgb8 blend(Rgb8 below, Rgb8 color, double alpha) {
-  const auto share = static_cast<int>(std::lround(alpha * 256));
-  const auto mixed = [share](std::uint8_t a, std::uint8_t b) {
-    return static_cast<std::uint8_t>((a * (256 - share) + b * share + 128) >> 8);
-  };
-  return {mixed(below.r, color.r), mixed(below.g, color.g), mixed(below.b, color.b)};
 }
 
 }  // namespace meshloop::show

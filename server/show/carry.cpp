@@ -30,10 +30,11 @@ class SquareDrawer {
   void draw(int u, int v, float z, std::uint32_t source, bool only_where_free) {
     const Eigen::Vector3f p = z * (H_ * Eigen::Vector3f{static_cast<float>(u), static_cast<float>(v), 1}) + h_;
     if (!(p.z() > 0.01f)) return;
-    const float x = p.x() / p.z();
-    const float y = p.y() / p.z();
+    const float per_z = 1 / p.z();
+    const float x = p.x() * per_z;
+    const float y = p.y() * per_z;
     if (!(std::abs(x) < 1e5f && std::abs(y) < 1e5f)) return;
-    const float nearer = std::min(z / p.z(), 8.0f);
+    const float nearer = std::min(z * per_z, 8.0f);
     const int x0 = std::max(ceil_of(x - half_width_ * nearer), 0);
     const int x1 = std::min(ceil_of(x + half_width_ * nearer), nearest_.width());
     const int y0 = std::max(ceil_of(y - half_height_ * nearer), 0);

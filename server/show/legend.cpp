@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -48,14 +49,13 @@ class Layout {
   }
 
   void swatches(const std::vector<Entry>& entries) {
-    // Columns of one width, as many as fit.
-    int widest = 1;
-    for (const auto& e : entries) widest = std::max(widest, entry_width(e) + pen_.px(24));
-    const int columns = std::clamp((width_ - 2 * margin_ + pen_.px(24)) / widest, 1, std::max(1, int(entries.size())));
+    std::vector<int> widths = column_widths(entries);
+    const int columns = static_cast<int>(widths.size());
     for (std::size_t i = 0; i < entries.size(); ++i) {
-      const int column = static_cast<int>(i) % columns;
+      const auto column = static_cast<std::ptrdiff_t>(i) % columns;
       const int row = static_cast<int>(i) / columns;
-      swatch(entries[i], margin_ + column * widest, y_ + row * pen_.px(21));
+      const int x = margin_ + std::accumulate(widths.begin(), widths.begin() + column, 0);
+      swatch(entries[i], x, y_ + row * pen_.px(21));
     }
     const int rows = (static_cast<int>(entries.size()) + columns - 1) / columns;
     y_ += rows * pen_.px(21);
@@ -88,6 +88,19 @@ class Layout {
     return pen_.px(24) + pen_.size_of(e.name).width + pen_.px(8) + pen_.size_of(e.meaning).width;
   }
 
+  // As many columns as fit, each as wide as its widest entry and a gap; at least one.
+  [[nodiscard]] std::vector<int> column_widths(const std::vector<Entry>& entries) const {
+    const int gap = pen_.px(22);
+    for (std::size_t columns = std::max<std::size_t>(entries.size(), 1);; --columns) {
+      std::vector<int> widths(columns, gap);
+      for (std::size_t i = 0; i < entries.size(); ++i) {
+        widths[i % columns] = std::max(widths[i % columns], entry_width(entries[i]) + gap);
+      }
+      const int all = std::accumulate(widths.begin(), widths.end(), 0) - gap;
+      if (columns == 1 || all <= width_ - 2 * margin_) return widths;
+    }
+  }
+
   void write(const std::string& text, int x, int y, Rgb8 color) {
     if (image_) pen_.write(*image_, text, {x, y}, color);
   }
@@ -105,14 +118,14 @@ class Layout {
   void ramp(const cv::Rect& box, const OverlayOptions& options) {
     if (!image_) return;
     const double solid = solid_difference_m(options);
+    const Paint paint{options};
     for (int x = 0; x < box.width; ++x) {
       const double difference = (2.0 * x / std::max(1, box.width - 1) - 1) * solid;
       const Label label = difference < 0 ? Label::closer : Label::farther;
-      const double alpha = alpha_of(label, static_cast<float>(difference), options);
-      const Rgb8 color = blend(kMidGrey, color_of(label, options.palette), alpha);
+      const Rgb8 color = paint.cover(kMidGrey, label, static_cast<float>(difference));
       cv::line(*image_, {box.x + x, box.y}, {box.x + x, box.y + box.height - 1}, scalar(color));
     }
-    cv::rectangle(*image_, box, scalar(kFaintInk), 1);
+    cv::rectangle(*image_, {box.x - 1, box.y - 1, box.width + 2, box.height + 2}, scalar(kFaintInk), 1);
   }
 
   void ticks(int left, int right, const OverlayOptions& options) {

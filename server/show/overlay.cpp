@@ -56,20 +56,16 @@ Range robust_range(const DepthImage& measured) {
 ColorImage depth_as_grey(const DepthImage& measured) {
   constexpr float kBright = 225;
   constexpr float kDark = 50;
+  constexpr Rgb8 kNothing{70, 70, 70};
   const Range range = robust_range(measured);
   const float scale = (kBright - kDark) / std::max(range.far_m - range.near_m, 1e-3f);
   ColorImage grey{measured.width(), measured.height()};
   std::transform(measured.pixels().begin(), measured.pixels().end(), grey.pixels().begin(), [&](float z) {
-    if (!(z > 0)) return Rgb8{};
+    if (!(z > 0)) return kNothing;
     const auto value = static_cast<std::uint8_t>(std::clamp(kBright - (z - range.near_m) * scale, kDark, kBright));
     return Rgb8{value, value, value};
   });
   return grey;
-}
-
-Rgb8 covered(Rgb8 below, Label label, float difference_m, const OverlayOptions& options) {
-  if (info(label).opacity == Opacity::transparent) return below;
-  return show::blend(below, show::color_of(label, options.palette), show::alpha_of(label, difference_m, options));
 }
 
 std::vector<show::Mark> marks_of(const RegionMap& regions, const Image<std::uint32_t>& source) {
@@ -100,11 +96,12 @@ std::vector<show::Mark> marks_of(const RegionMap& regions, const Image<std::uint
 ColorImage overlay_on_depth(const Comparison& comparison, const DepthImage& measured, const OverlayOptions& options) {
   if (!complete(comparison, measured)) return {};
   ColorImage picture = depth_as_grey(measured);
+  const show::Paint paint{options};
   Shown shown{};
   for (std::size_t i = 0; i < picture.size(); ++i) {
     const Label label = comparison.labels.data()[i];
     shown[static_cast<std::size_t>(label)] = true;
-    picture.data()[i] = covered(picture.data()[i], label, comparison.difference_m.data()[i], options);
+    picture.data()[i] = paint.cover(picture.data()[i], label, comparison.difference_m.data()[i]);
   }
   return show::finish(picture, {}, shown, options);
 }
@@ -116,13 +113,14 @@ ColorImage overlay_on_color(const Comparison& comparison, const DepthImage& meas
   if (!fits || !complete(comparison, measured)) return {};
   const auto source = show::carry_to_color(comparison, measured, rig);
   ColorImage picture = to_color(to_grey(color));
+  const show::Paint paint{options};
   Shown shown{};
   for (std::size_t i = 0; i < picture.size(); ++i) {
     const std::uint32_t from = source.data()[i];
     if (from == 0) continue;
     const Label label = comparison.labels.data()[from - 1];
     shown[static_cast<std::size_t>(label)] = true;
-    picture.data()[i] = covered(picture.data()[i], label, comparison.difference_m.data()[from - 1], options);
+    picture.data()[i] = paint.cover(picture.data()[i], label, comparison.difference_m.data()[from - 1]);
   }
   const bool mark = regions != nullptr && same_size(regions->ids, measured);
   return show::finish(picture, mark ? marks_of(*regions, source) : std::vector<show::Mark>{}, shown, options);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "boxes.h"
@@ -193,6 +194,19 @@ TEST(Insertion, TakesNoColorFromASurfaceInFront) {
   std::size_t red = 0;
   for (std::size_t i = 0; i < patch.colors.size(); ++i) red += patch.colors[i].r > 40;
   EXPECT_LT(static_cast<double>(red), 0.002 * static_cast<double>(patch.colors.size()));
+}
+
+TEST(Insertion, LeavesOutImpossibleDepthsAndOnlyThose) {
+  auto world = make_world({kWall, kObject}, Pose::Identity());
+  world->rig.sensor = SensorModel{SensorModel::Kind::kinect1};
+  const auto id = world->region(ChangeKind::insertion).id;
+  const auto before = insertion_patch(world->snapshot(), id, {}).positions.size();
+  world->frame.depth(160, 120) = std::numeric_limits<float>::infinity();
+  world->frame.depth(150, 120) = std::numeric_limits<float>::quiet_NaN();
+  world->frame.depth(170, 120) = -1;
+  const auto patch = insertion_patch(world->snapshot(), id, {});
+  EXPECT_TRUE(validate(patch).has_value());
+  EXPECT_EQ(patch.positions.size(), before - 3);
 }
 
 TEST(Insertion, IsGreyWithoutAColorImage) {

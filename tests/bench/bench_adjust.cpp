@@ -1,0 +1,97 @@
+// Time to make a submesh from a depth frame (the paper: 9, 22 and 80 ms for these three sizes), and to find what a
+// removal takes from a model.
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <memory>
+
+#include "server/adjust/proposal.h"
+
+namespace meshloop {
+namespace {
+
+/// Everything in the picture is new: a wavy wall between 1.5 and 2.5 m.
+struct NewWall {
+  Rig rig;
+  RgbdFrame frame;
+  Model model;
+  Comparison comparison;
+  RegionMap regions;
+
+  NewWall(int width, int height) {
+    rig.depth = {width, height, 0.9 * width, 0.9 * width, (width - 1) / 2.0, (height - 1) / 2.0, {}};
+    rig.color = {640, 480, 525, 525, 319.5, 239.5, {}};
+    rig.T_depth_color = make_pose({0.025, 0, 0}, Eigen::Quaterniond::Identity());
+    rig.sensor = SensorModel{SensorModel::Kind::kinect1};
+    frame.depth = DepthImage{width, height};
+    frame.color = ColorImage{640, 480, {120, 100, 80}};
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        frame.depth(x, y) = 2 + 0.5f * std::sin(6.0f * static_cast<float>(x) / static_cast<float>(width));
+      }
+    }
+    comparison.labels = Image<Label>{width, height, Label::unmodelled};
+    comparison.difference_m = Image<float>{width, height};
+    comparison.expected = DepthImage{width, height};
+    comparison.node_index = Image<std::uint32_t>{width, height};
+    comparison.threshold_m = Image<float>{width, height, 0.01f};
+    regions.ids = Image<RegionId>{width, height, 1};
+    Region region;
+    region.id = 1;
+    region.kind = ChangeKind::insertion;
+    region.confirmed = true;
+    regions.regions = {region};
+  }
+
+  [[nodiscard]] Snapshot snapshot() const {
+    Snapshot s{&model, &frame, &rig, {}, &comparison, &regions};
+    s.depth_pose.state = TrackState::tracking;
+    return s;
+  }
+};
+
+void insert_patch(benchmark::State& state) {
+  const NewWall wall{static_cast<int>(state.range(0)), static_cast<int>(state.range(1))};
+  std::size_t triangles = 0;
+  for (auto _ : state) triangles = insertion_patch(wall.snapshot(), 1, {}).triangles.size();
+  state.counters["measurements"] = static_cast<double>(wall.frame.depth.size());
+  state.counters["triangles"] = static_cast<double>(triangles);
+}
+BENCHMARK(insert_patch)->Args({176, 144})->Args({320, 240})->Args({640, 480})->Unit(benchmark::kMillisecond);
+
+void propose_whole_frame(benchmark::State& state) {
+  const NewWall wall{640, 480};
+  for (auto _ : state) benchmark::DoNotOptimize(propose(wall.snapshot(), 1, {}).size());
+}
+BENCHMARK(propose_whole_frame)->Unit(benchmark::kMillisecond);
+
+// A sheet of n x n vertices at 1 m, seen through to a wall at 3 m.
+void remove_sheet(benchmark::State& state) {
+  NewWall wall{640, 480};
+  const auto n = static_cast<std::uint32_t>(state.range(0));
+  Submesh sheet;
+  for (std::uint32_t y = 0; y < n; ++y) {
+    for (std::uint32_t x = 0; x < n; ++x) {
+      const auto at = [n](std::uint32_t i) {
+        return 0.6f * (static_cast<float>(i) / static_cast<float>(n - 1) - 0.5f);
+      };
+      sheet.positions.emplace_back(at(x), at(y), 1.0f);
+      if (x + 1 == n || y + 1 == n) continue;
+      const std::uint32_t i = y * n + x;
+      sheet.triangles.push_back({i, i + n, i + 1});
+      sheet.triangles.push_back({i + 1, i + n, i + n + 1});
+    }
+  }
+  wall.model.nodes.push_back(make_node(1, "sheet", std::move(sheet)));
+  wall.frame.depth = DepthImage{640, 480, 3.0f};
+  wall.comparison.labels = Image<Label>{640, 480, Label::farther};
+  wall.comparison.expected = DepthImage{640, 480, 1.0f};
+  wall.comparison.node_index = Image<std::uint32_t>{640, 480, 1};
+  wall.regions.regions[0].kind = ChangeKind::removal;
+  for (auto _ : state) benchmark::DoNotOptimize(propose(wall.snapshot(), 2, {}).size());
+  state.counters["triangles"] = static_cast<double>(wall.model.triangle_count());
+}
+BENCHMARK(remove_sheet)->Arg(100)->Arg(700)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace meshloop
