@@ -12,8 +12,8 @@ endif()
 add_library(meshloop_settings INTERFACE)
 target_compile_options(meshloop_settings INTERFACE
   -Wall -Wextra -Wconversion -Wshadow -Werror
-  # Eigen's and OpenCV's inlined code makes GCC 12 guess wrongly at high optimisation.
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread>)
+  # GCC 12 guesses wrongly about inlined code of Eigen, OpenCV and std::string at high optimisation.
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread -Wno-restrict>)
 target_compile_definitions(meshloop_settings INTERFACE MESHLOOP_VERSION="${PROJECT_VERSION}")
 # Sections that nothing uses are dropped, and libraries that nothing needs are not linked.
 target_link_options(meshloop_settings INTERFACE -Wl,--as-needed -Wl,--gc-sections)

@@ -40,9 +40,9 @@ void LabelScore::add(const Comparison& comparison, const RegionMap& regions, con
     if (is_change(label)) {
       count_recall(pixel, label);
     } else if (std::abs(pixel.measured - pixel.expected) < kUnchanged_m) {
-      ++unchanged_;
+      ++changes_.unchanged;
       const auto region = regions.ids.empty() ? 0 : regions.ids.pixels()[i];
-      if (region < confirmed.size() && confirmed[region]) ++falsely_changed_;
+      if (region < confirmed.size() && confirmed[region]) ++changes_.falsely_changed;
     }
   }
 }
@@ -65,26 +65,26 @@ void LabelScore::count_labels(Label truth, Label detected) {
 }
 
 void LabelScore::count_recall(const Pixel& pixel, Label truth) {
-  ++changed_;
-  if (pixel.detected == Label::undecided) ++changed_undecided_;
+  ++changes_.changed;
+  if (pixel.detected == Label::undecided) ++changes_.changed_undecided;
   const bool above = truth == Label::unmodelled ? pixel.detected != Label::undecided
                                                 : std::abs(pixel.measured - pixel.expected) > pixel.threshold_m;
   if (!above) return;
-  ++above_threshold_;
-  if (kind_of(pixel.detected) == kind_of(truth)) ++found_;
+  ++changes_.above_threshold;
+  if (kind_of(pixel.detected) == kind_of(truth)) ++changes_.found;
 }
 
 double LabelScore::iou(Label label) const {
   return ratio(counts_[index(label)].both, counts_[index(label)].either, 1);
 }
 double LabelScore::recall() const {
-  return ratio(found_, above_threshold_, 1);
+  return ratio(changes_.found, changes_.above_threshold, 1);
 }
 double LabelScore::false_change() const {
-  return ratio(falsely_changed_, unchanged_, 0);
+  return ratio(changes_.falsely_changed, changes_.unchanged, 0);
 }
 double LabelScore::undecided() const {
-  return ratio(changed_undecided_, changed_, 0);
+  return ratio(changes_.changed_undecided, changes_.changed, 0);
 }
 
 }  // namespace meshloop

@@ -22,6 +22,22 @@ struct DepthTruth {
 /// the true difference exceeds k sigma of the sensor at that depth; else unchanged.
 class LabelScore {
  public:
+  /// Pixels that carry a label in the truth and in the detection, in either, and in the truth.
+  struct LabelCounts {
+    std::size_t both = 0;
+    std::size_t either = 0;
+    std::size_t in_truth = 0;
+  };
+  /// The parts of the ratios below, so that several scores can be added up.
+  struct ChangeCounts {
+    std::size_t changed = 0;
+    std::size_t changed_undecided = 0;
+    std::size_t above_threshold = 0;
+    std::size_t found = 0;
+    std::size_t unchanged = 0;
+    std::size_t falsely_changed = 0;
+  };
+
   /// k: the true difference that counts as a change, in sigmas of the sensor model.
   LabelScore(SensorModel sensor, double k) : sensor_{sensor}, k_{k} {}
 
@@ -36,14 +52,10 @@ class LabelScore {
   [[nodiscard]] double false_change() const;
   /// Of the truly changed pixels: the share that the comparison left undecided.
   [[nodiscard]] double undecided() const;
-  [[nodiscard]] std::size_t true_pixels(Label label) const { return counts_[index(label)].in_truth; }
+  [[nodiscard]] const LabelCounts& counts(Label label) const { return counts_[index(label)]; }
+  [[nodiscard]] const ChangeCounts& counts() const { return changes_; }
 
  private:
-  struct LabelCounts {
-    std::size_t both = 0;
-    std::size_t either = 0;
-    std::size_t in_truth = 0;
-  };
   struct Pixel;
   static std::size_t index(Label label) { return static_cast<std::size_t>(label); }
   [[nodiscard]] Label true_label(const Pixel& pixel) const;
@@ -53,12 +65,7 @@ class LabelScore {
   SensorModel sensor_;
   double k_;
   std::array<LabelCounts, kLabels.size()> counts_{};
-  std::size_t changed_ = 0;
-  std::size_t changed_undecided_ = 0;
-  std::size_t above_threshold_ = 0;
-  std::size_t found_ = 0;
-  std::size_t unchanged_ = 0;
-  std::size_t falsely_changed_ = 0;
+  ChangeCounts changes_;
 };
 
 }  // namespace meshloop

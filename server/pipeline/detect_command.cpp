@@ -119,17 +119,26 @@ Status detect_frame(DetectRun& run, const TrackedFrame& tracked, const Model& mo
 }
 
 nlohmann::json score_json(const LabelScore& score) {
-  return {{"iou",
-           {{"closer", score.iou(Label::closer)},
-            {"farther", score.iou(Label::farther)},
-            {"unmodelled", score.iou(Label::unmodelled)}}},
-          {"true_pixels",
-           {{"closer", score.true_pixels(Label::closer)},
-            {"farther", score.true_pixels(Label::farther)},
-            {"unmodelled", score.true_pixels(Label::unmodelled)}}},
+  nlohmann::json iou;
+  nlohmann::json pixels;
+  for (const Label label : {Label::closer, Label::farther, Label::unmodelled}) {
+    const std::string name{info(label).name};
+    const auto& counts = score.counts(label);
+    iou[name] = score.iou(label);
+    pixels[name] = {{"both", counts.both}, {"either", counts.either}, {"truth", counts.in_truth}};
+  }
+  const auto& counts = score.counts();
+  pixels["change"] = {{"changed", counts.changed},
+                      {"undecided", counts.changed_undecided},
+                      {"above_threshold", counts.above_threshold},
+                      {"found", counts.found},
+                      {"unchanged", counts.unchanged},
+                      {"falsely_changed", counts.falsely_changed}};
+  return {{"iou", iou},
           {"recall", score.recall()},
           {"false_change", score.false_change()},
-          {"undecided", score.undecided()}};
+          {"undecided", score.undecided()},
+          {"pixels", pixels}};
 }
 
 void report(const DetectRun& run) {

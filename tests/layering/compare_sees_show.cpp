@@ -1,0 +1,2 @@
+// Refused: a stage does not see a sibling.
+#include "server/show/overlay.h"

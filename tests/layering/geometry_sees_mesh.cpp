@@ -1,0 +1,2 @@
+// Refused: geometry comes before mesh.
+#include "common/mesh/submesh.h"

@@ -1,0 +1,43 @@
+"""Runs deploy/demo.sh and reads its report.json."""
+import json
+
+import programs
+
+
+def run_demo(*arguments):
+    folder, path = programs.work_folder()
+    result = programs.run("bash", programs.SOURCE / "deploy" / "demo.sh", "--out", path / "out", *arguments, timeout=550)
+    print(result.stdout[-4000:], result.stderr[-2000:])
+    programs.check(result.returncode == 0, "the demo ends well")
+    report = json.loads((path / "out" / "report.json").read_text()) if result.returncode == 0 else None
+    if report is None:
+        programs.end()
+    return folder, path / "out", report
+
+
+def check_loop(out, report):
+    """What holds for every variant."""
+    publish = report["publish"]
+    programs.check(report["device"]["revision"] == report["adjust"]["revision"], "the device has the station's revision")
+    programs.check(report["adjust"]["triangles_added"] > 0, "triangles were added")
+    programs.check(report["device"]["rejected"] == 0, "no payload was rejected")
+    programs.check(publish["bytes"] <= publish["raw_bytes"] / 10,
+                   f"{publish['bytes']} bytes sent for {publish['raw_bytes']}: at most a tenth")
+    programs.check(publish["accept_to_drawn_ms"] is not None and publish["accept_to_drawn_ms"] < 500,
+                   f"accepted to drawn in {publish['accept_to_drawn_ms']} ms: below 500")
+    for key in ("render", "compare", "snapshot", "encode", "decode", "track", "draw"):
+        programs.check(report["times_ms"][key] is not None, f"times_ms.{key} is {report['times_ms'][key]}")
+    page = (out / "report.html").read_text()
+    programs.check(page.count("data:image/png;base64,") >= 6 and "No picture" not in page, "the page holds its pictures")
+    programs.check("src='http" not in page and 'href="http' not in page, "the page needs nothing from elsewhere")
+
+
+def check_tracking(report):
+    track = report["track"]
+    programs.check(track["lost_frames"] == 0, "no frame is lost with the adjusted models")
+    for adjustment in track["adjustments"]:
+        before, after = (adjustment[when]["mean_error_m"] for when in ("before", "after"))
+        programs.check(after <= 0.01, f"{adjustment['name']}: mean error {after * 1000:.1f} mm after: at most 10")
+        lost = adjustment["before"]["lost"] > adjustment["after"]["lost"]
+        programs.check(before is None or lost or before > 1.3 * after,
+                       f"{adjustment['name']}: clearly worse before ({before}, {adjustment['before']['lost']} lost)")
