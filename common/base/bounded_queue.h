@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -15,7 +16,9 @@ enum class WhenFull { drop_oldest, wait };
 template <class T>
 class BoundedQueue {
  public:
-  BoundedQueue(std::size_t capacity, WhenFull when_full) : capacity_{capacity}, when_full_{when_full} {}
+  /// A capacity of 0 counts as 1.
+  BoundedQueue(std::size_t capacity, WhenFull when_full)
+      : capacity_{std::max<std::size_t>(capacity, 1)}, when_full_{when_full} {}
 
   /// False when the queue is closed; the element is then dropped.
   bool push(T element) {

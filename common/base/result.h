@@ -27,7 +27,9 @@ using Status = Result<void>;
   return tl::unexpected<Error>(Error{error.kind, doing + ": " + error.message});
 }
 
-[[nodiscard]] inline tl::unexpected<Error> fail(Error error) { return tl::unexpected<Error>(std::move(error)); }
+[[nodiscard]] inline tl::unexpected<Error> fail(Error error) {
+  return tl::unexpected<Error>(std::move(error));
+}
 
 [[nodiscard]] constexpr int exit_code(ErrorKind kind) {
   switch (kind) {

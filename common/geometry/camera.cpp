@@ -36,10 +36,9 @@ Status validate(const Camera& camera) {
     return fail(fmt::format("the image size {}x{} is outside {} to {} pixels", camera.width, camera.height, kSmallest,
                             kLargest));
   }
-  const bool finite = std::isfinite(camera.fx) && std::isfinite(camera.fy) && std::isfinite(camera.cx) &&
-                      std::isfinite(camera.cy) &&
-                      std::all_of(camera.distortion.begin(), camera.distortion.end(),
-                                  [](double k) { return std::isfinite(k); });
+  const bool finite =
+      std::isfinite(camera.fx) && std::isfinite(camera.fy) && std::isfinite(camera.cx) && std::isfinite(camera.cy) &&
+      std::all_of(camera.distortion.begin(), camera.distortion.end(), [](double k) { return std::isfinite(k); });
   if (!finite) return fail("an intrinsic parameter is not a finite number");
   if (camera.fx <= 0 || camera.fy <= 0) return fail("fx and fy must be positive");
   return {};

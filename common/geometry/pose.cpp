@@ -12,9 +12,10 @@ Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& w) {
   const double angle = w.norm();
   const Eigen::Matrix3d W = skew(w);
   if (angle < kSmallAngle) return Eigen::Matrix3d::Identity() + 0.5 * W + W * W / 6.0;
-  const double a2 = angle * angle;
-  return Eigen::Matrix3d::Identity() + (1.0 - std::cos(angle)) / a2 * W +
-         (angle - std::sin(angle)) / (a2 * angle) * W * W;
+  // 1 - cos(angle) loses its digits at small angles; twice the square of the half angle's sine does not.
+  const double half_chord = std::sin(angle / 2) / angle;
+  return Eigen::Matrix3d::Identity() + 2.0 * half_chord * half_chord * W +
+         (angle - std::sin(angle)) / (angle * angle * angle) * W * W;
 }
 
 }  // namespace
@@ -61,7 +62,9 @@ Twist log(const Pose& pose) {
   return xi;
 }
 
-Pose interpolate(const Pose& a, const Pose& b, double s) { return a * exp(s * log(a.inverse() * b)); }
+Pose interpolate(const Pose& a, const Pose& b, double s) {
+  return a * exp(s * log(a.inverse() * b));
+}
 
 bool is_rigid(const Pose& pose) {
   if (!pose.matrix().allFinite()) return false;

@@ -9,7 +9,7 @@
 namespace meshloop {
 namespace {
 
-constexpr double kGrazing = std::numbers::pi / 3;    // Nguyen's second term counts above 60 degrees
+constexpr double kGrazing = std::numbers::pi / 3;       // Nguyen's second term counts above 60 degrees
 constexpr double kLimit = 80 * std::numbers::pi / 180;  // beyond, the Kinect measures nothing
 
 double grazing_ratio(double theta) {

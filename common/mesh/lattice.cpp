@@ -6,27 +6,38 @@
 namespace meshloop {
 namespace {
 
+// Adding zero makes -0 to 0: the two compare equal, but would give one shape two hashes.
 Eigen::Vector3f snapped(const Eigen::Vector3f& p) {
-  return (p / kLatticeSpacing_m).array().round().matrix() * kLatticeSpacing_m;
+  return ((p / kLatticeSpacing_m).array().round() * kLatticeSpacing_m + 0.0f).matrix();
+}
+
+bool same_bits(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+  return a == b && std::signbit(a.x()) == std::signbit(b.x()) && std::signbit(a.y()) == std::signbit(b.y()) &&
+         std::signbit(a.z()) == std::signbit(b.z());
+}
+
+// In double precision the products of lattice coordinates are exact, so a thin triangle is not taken for an empty one.
+bool has_area(const Submesh& submesh, const Triangle& triangle) {
+  const Eigen::Vector3d p = submesh.positions[triangle[0]].cast<double>();
+  const Eigen::Vector3d q = submesh.positions[triangle[1]].cast<double>();
+  const Eigen::Vector3d r = submesh.positions[triangle[2]].cast<double>();
+  return !(q - p).cross(r - p).isZero(0);
 }
 
 }  // namespace
 
 bool is_on_lattice(const Submesh& submesh) {
   return std::all_of(submesh.positions.begin(), submesh.positions.end(),
-                     [](const Eigen::Vector3f& p) { return snapped(p) == p; });
+                     [](const Eigen::Vector3f& p) { return same_bits(snapped(p), p); });
 }
 
 Submesh snap_to_lattice(const Submesh& submesh) {
   Submesh moved = submesh;
   for (auto& p : moved.positions) p = snapped(p);
-  std::vector<bool> has_area(moved.triangles.size());
-  for (std::size_t t = 0; t < moved.triangles.size(); ++t) {
-    const auto& [a, b, c] = moved.triangles[t];
-    const Eigen::Vector3f& p = moved.positions[a];
-    has_area[t] = !(moved.positions[b] - p).cross(moved.positions[c] - p).isZero(0);
-  }
-  return keep_triangles(moved, has_area);
+  std::vector<bool> keep(moved.triangles.size());
+  std::transform(moved.triangles.begin(), moved.triangles.end(), keep.begin(),
+                 [&](const Triangle& triangle) { return has_area(moved, triangle); });
+  return keep_triangles(moved, keep);
 }
 
 }  // namespace meshloop

@@ -9,6 +9,7 @@ namespace meshloop {
 /// of a Kinect's noise at its nearest range.
 inline constexpr float kLatticeSpacing_m = 1.0f / 4096;
 
+/// To the bit: -0 is not on the lattice.
 [[nodiscard]] bool is_on_lattice(const Submesh& submesh);
 
 /// Moves every position to the nearest lattice point. Triangles that thereby lose their area, and vertices that

@@ -27,7 +27,9 @@ Eigen::AlignedBox3f Submesh::bounds() const {
   return box;
 }
 
-std::size_t Submesh::raw_bytes() const { return positions.size() * 12 + colors.size() * 3 + triangles.size() * 12; }
+std::size_t Submesh::raw_bytes() const {
+  return positions.size() * 12 + colors.size() * 3 + triangles.size() * 12;
+}
 
 Status validate(const Submesh& submesh) {
   if (submesh.triangles.empty()) return fail("the mesh has no triangles");
@@ -55,8 +57,8 @@ Status validate(const Submesh& submesh) {
 Hash content_hash(const Submesh& submesh) {
   std::vector<std::byte> bytes;
   bytes.reserve(submesh.raw_bytes() + 24);
-  append_bytes(bytes, std::vector<std::uint64_t>{submesh.positions.size(), submesh.colors.size(),
-                                                 submesh.triangles.size()});
+  append_bytes(bytes,
+               std::vector<std::uint64_t>{submesh.positions.size(), submesh.colors.size(), submesh.triangles.size()});
   append_bytes(bytes, submesh.positions);
   append_bytes(bytes, submesh.colors);
   append_bytes(bytes, submesh.triangles);

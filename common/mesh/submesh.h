@@ -23,7 +23,8 @@ struct Submesh {
 
   [[nodiscard]] bool has_colors() const { return !colors.empty(); }
   [[nodiscard]] Eigen::AlignedBox3f bounds() const;
-  /// Bytes of positions (12 each), colours (3 each) and indices (12 a triangle): what an uncompressed update would send.
+  /// Bytes of positions (12 each), colours (3 each) and indices (12 a triangle): what an uncompressed update would
+  /// send.
   [[nodiscard]] std::size_t raw_bytes() const;
 };
 

@@ -98,7 +98,7 @@ Result<Rig> parse_rig(const YAML::Node& root) {
   const auto T_depth_color = parse_pose_map(root["T_depth_color"], "T_depth_color");
   if (!T_depth_color) return fail(T_depth_color.error());
   const auto sensor = parse_sensor(root["sensor"]);
-  if (!sensor) return fail("sensor", sensor.error());
+  if (!sensor) return fail(sensor.error());
   const auto registered = read_bool(root["depth_registered"], "depth_registered");
   if (!registered) return fail(registered.error());
   const Rig rig{*color, *depth, *depth_scale, *T_depth_color, *sensor, *registered};
