@@ -1,9 +1,7 @@
 #pragma once
-#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
-#include <thread>
 
 #include "common/base/result.h"
 #include "common/mesh/model.h"
@@ -22,26 +20,33 @@ struct ReceivedModel {
 };
 
 struct ReceiveCounts {
+  /// Whole payloads that arrived, whether they were needed or not.
   std::size_t payloads = 0;
   /// Wrong hash, does not decode, breaks a bound.
   std::size_t rejected = 0;
 };
 
-/// Receives and decodes on a thread of its own; the newest complete model can be taken at any time. A damaged payload is
-/// counted, and the model stays what it was.
+/// Receives and decodes on a thread of its own; the newest complete model can be taken at any time. A damaged payload
+/// is counted, and the model stays what it was.
 class SceneReceiver {
  public:
   static Result<std::unique_ptr<SceneReceiver>> start(const LinkOptions& options);
   virtual ~SceneReceiver() = default;
   /// The newest complete model; null before the first one. Any thread.
   [[nodiscard]] virtual std::shared_ptr<const ReceivedModel> newest() const = 0;
+  /// Any thread.
   [[nodiscard]] virtual ReceiveCounts counts() const = 0;
 };
 
-/// The thread-free part: collects samples until a manifest's nodes are all there.
+/// Decoded geometry that no manifest has named yet is kept up to this size (as Submesh::raw_bytes); the oldest goes
+/// first.
+inline constexpr std::size_t kMaxPendingBytes = 256u << 20;
+
+/// The thread-free part: decodes payloads as they arrive and waits until all nodes of the newest manifest (highest
+/// epoch, then revision) are there. A node whose geometry did not change shares it with the model before.
 class ModelAssembler {
  public:
-  ModelAssembler();
+  explicit ModelAssembler(std::size_t max_pending_bytes = kMaxPendingBytes);
   ~ModelAssembler();
   /// A model when these samples completed a newer one than before.
   std::shared_ptr<const ReceivedModel> add(SceneSamples samples);
