@@ -59,7 +59,7 @@ Result<Image<T>> decode(const Opened& png, spng_format format) {
   if (const int code = spng_decoded_image_size(png.context.get(), format, &size)) return png_error(code);
   if (size != image.size() * sizeof(T)) return fail("damaged PNG (its size contradicts itself)");
   if (const int code = spng_decode_image(png.context.get(), image.data(), size, format, 0)) return png_error(code);
-  // Without this a file cut off behind its last pixel would pass.
+  // Damage in the chunks behind the pixels counts too.
   if (const int code = spng_decode_chunks(png.context.get())) return png_error(code);
   return image;
 }
