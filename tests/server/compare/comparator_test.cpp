@@ -155,6 +155,45 @@ TEST_F(ComparatorTest, NoiseAloneIsRarelyAChange) {
   }
 }
 
+TEST_F(ComparatorTest, BorderOfWhatIsGoneIsUndecidedWhereNothingElseIsModelled) {
+  input_.sensor = SensorModel{SensorModel::Kind::kinect1};
+  input_.pose.covariance.setZero();
+  input_.pose.T_camera_world = Pose::Identity();
+  model_.nodes.clear();
+  add(model_, quad({-0.3F, -0.2F, 1}, {0.3F, -0.2F, 1}, {0.3F, 0.2F, 1}, {-0.3F, 0.2F, 1}), Pose::Identity());
+  measured_ = DepthImage(320, 240, 3.0F);
+  const auto result = on_gpu();
+  for (int v = 0; v < 240; ++v) {
+    for (int u = 0; u < 320; ++u) {
+      if (result.node_index(u, v) == 0) {
+        ASSERT_EQ(result.labels(u, v), Label::unmodelled);
+      } else {
+        const bool at_border = is_near_edge(result.node_index, u, v, 2);
+        ASSERT_EQ(result.labels(u, v), at_border ? Label::undecided : Label::farther) << u << ", " << v;
+      }
+    }
+  }
+  EXPECT_GT(result.counts()[static_cast<std::size_t>(Label::farther)], 10000U);
+}
+
+TEST_F(ComparatorTest, SurfaceSeenAlmostFromTheSideIsUndecided) {
+  input_.sensor = *SensorModel::constant(0.0005);
+  input_.pose.covariance.setZero();
+  input_.pose.T_camera_world = Pose::Identity();
+  // A floor 10 cm below the camera: seen at 80 degrees at 0.57 m.
+  model_.nodes.clear();
+  add(model_, quad({-3, 0.1F, 0.2F}, {3, 0.1F, 0.2F}, {3, 0.1F, 4}, {-3, 0.1F, 4}), Pose::Identity());
+  measured_ = render_depth(model_, input_.camera, Pose::Identity());
+  const auto result = on_gpu();
+  const double row_at_80 = input_.camera.cy + input_.camera.fy * std::tan(10 * std::numbers::pi / 180);
+  for (int v = 0; v < 240; ++v) {
+    const int u = static_cast<int>(std::lround(input_.camera.cx));
+    if (result.expected(u, v) == 0 || std::abs(v - row_at_80) < 2) continue;
+    ASSERT_EQ(result.labels(u, v), v > row_at_80 ? Label::agrees : Label::undecided) << v;
+  }
+  EXPECT_GT(result.counts()[static_cast<std::size_t>(Label::undecided)], 1000U);
+}
+
 TEST_F(ComparatorTest, PoseThatIsUncertainRaisesTheThreshold) {
   look_at(model_, 5);
   const auto sure = on_gpu();

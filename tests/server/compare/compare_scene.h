@@ -100,7 +100,10 @@ inline TrackedPose room_pose() {
   TrackedPose pose;
   pose.state = TrackState::tracking;
   pose.T_camera_world = at(0.05, 0.02, 0.1, 0.05);
-  pose.covariance.diagonal() << 1e-6, 1e-6, 4e-6, 1e-6, 1e-6, 1e-6;
+  // Correlated, so that no block of the covariance can be mistaken for another.
+  Twist direction;
+  direction << 0.5, -1, 2, 1.5, -0.7, 1;
+  pose.covariance = 1e-6 * (PoseCovariance::Identity() + direction * direction.transpose());
   return pose;
 }
 
