@@ -1,5 +1,7 @@
 #include "server/track/rig_tracker.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -26,7 +28,8 @@ constexpr double kSamePose = 22.5;
 constexpr double kLongestPrediction_s = 0.5;
 
 double spread_m(const PoseCovariance& covariance) {
-  return std::sqrt(covariance.topLeftCorner<3, 3>().selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff());
+  return std::sqrt(
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>{covariance.topLeftCorner<3, 3>()}.eigenvalues().maxCoeff());
 }
 
 struct Estimate {
