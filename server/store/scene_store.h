@@ -26,6 +26,9 @@ struct RevisionInfo {
   std::vector<std::vector<std::byte>> pictures;
 };
 
+/// All functions may be called from any thread. Several processes may read one scene; the first that writes (commit,
+/// undo, redo, begin_epoch) is its only writer until it closes the store or dies: the others' writes are errors then.
+/// An error leaves the scene at its last revision.
 class SceneStore {
  public:
   /// Creates the file when it is not there. A damaged or foreign file is refused, unchanged.
@@ -38,7 +41,7 @@ class SceneStore {
 
   /// Applies the edits as a new revision after the present one and returns when it is on the disk. Revisions after the
   /// present one (undone ones) stay in the journal, but redo no longer reaches them. The info's revision and parent are
-  /// filled in by the store.
+  /// filled in by the store, accepted_ns too where it is 0. Refuses to add a node under an id that any revision used.
   virtual Result<std::shared_ptr<const Model>> commit(const std::vector<Edit>& edits, RevisionInfo info) = 0;
 
   /// Undo and redo are new revisions too: numbers only grow, so that devices never see one number with two contents.

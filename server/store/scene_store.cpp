@@ -1,0 +1,232 @@
+#include "server/store/scene_store.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <system_error>
+
+#include "common/base/clock.h"
+#include "server/store/journal.h"
+#include "server/store/model_rows.h"
+#include "server/store/schema.h"
+#include "server/store/writer_lock.h"
+
+namespace meshloop {
+namespace {
+
+constexpr std::string_view kEpoch = "epoch";
+constexpr std::string_view kNextNodeId = "next_node_id";
+constexpr NodeId kLargestId = static_cast<NodeId>(std::numeric_limits<std::int64_t>::max() - 1);
+
+/// The journal's triangles of a revision that shows no change of its own count both ways.
+RevisionInfo info_of_return(const RevisionInfo& change, bool undone) {
+  RevisionInfo info;
+  info.summary = fmt::format("{} of revision {}", undone ? "undo" : "redo", change.revision);
+  info.triangles_added = undone ? change.triangles_removed : change.triangles_added;
+  info.triangles_removed = undone ? change.triangles_added : change.triangles_removed;
+  return info;
+}
+
+class SqliteSceneStore final : public SceneStore {
+ public:
+  SqliteSceneStore(Database database, std::shared_ptr<const Model> model, NodeId next_node_id)
+      : database_{std::move(database)}, model_{std::move(model)}, next_node_id_{next_node_id} {}
+
+  std::shared_ptr<const Model> model() const override {
+    const std::scoped_lock lock{mutex_};
+    return model_;
+  }
+  NodeId next_node_id() const override {
+    const std::scoped_lock lock{mutex_};
+    return next_node_id_;
+  }
+
+  Result<std::shared_ptr<const Model>> commit(const std::vector<Edit>& edits, RevisionInfo info) override;
+  Result<std::shared_ptr<const Model>> undo() override { return go_back_or_forth(true); }
+  Result<std::shared_ptr<const Model>> redo() override { return go_back_or_forth(false); }
+  Result<std::vector<RevisionInfo>> log() const override;
+  Result<std::shared_ptr<const Model>> model_at(Revision revision) const override;
+  Result<std::uint64_t> begin_epoch() override;
+
+ private:
+  struct Writing {
+    Transaction transaction;
+    /// The present revision.
+    Place here;
+  };
+  /// Takes the right to write and checks that this store still shows the last revision.
+  Result<Writing> begin_writing();
+  Result<std::shared_ptr<const Model>> go_back_or_forth(bool back);
+  Result<std::shared_ptr<const Model>> write(Transaction transaction, Model after, JournalEntry entry,
+                                             NodeId next_node_id);
+  /// The edits with hashes that are right whatever the caller filled in, and the first free id after them.
+  Result<std::vector<Edit>> checked(std::vector<Edit> edits, NodeId& next_node_id) const;
+
+  mutable std::mutex mutex_;
+  mutable Database database_;
+  std::optional<WriterLock> writer_;
+  std::shared_ptr<const Model> model_;
+  NodeId next_node_id_ = 1;
+};
+
+Result<SqliteSceneStore::Writing> SqliteSceneStore::begin_writing() {
+  if (!writer_) {
+    auto lock = WriterLock::take(database_.file());
+    if (!lock) return fail(lock.error());
+    writer_.emplace(std::move(*lock));
+  }
+  auto transaction = Transaction::begin(database_, "BEGIN IMMEDIATE");
+  if (!transaction) return fail(transaction.error());
+  const auto last = last_place(database_);
+  if (!last) return fail(last.error());
+  if (last->revision != model_->revision) {
+    return fail(fmt::format("another program has changed '{}' meanwhile (revision {} became {}); open it again",
+                            database_.file().string(), model_->revision, last->revision));
+  }
+  return Writing{std::move(*transaction), *last};
+}
+
+Result<std::vector<Edit>> SqliteSceneStore::checked(std::vector<Edit> edits, NodeId& next_node_id) const {
+  for (auto& edit : edits) {
+    auto* added = std::get_if<AddNode>(&edit);
+    if (added == nullptr || !added->node.submesh) continue;
+    const NodeId id = added->node.id;
+    if (id != 0 && id < next_node_id_) {
+      return fail(fmt::format("node id {} was used before; ids from {} on are free", id, next_node_id_));
+    }
+    if (id > kLargestId) return fail(fmt::format("node id {} is too large", id));
+    added->node.hash = content_hash(*added->node.submesh);
+    next_node_id = std::max(next_node_id, id + 1);
+  }
+  return edits;
+}
+
+Result<std::shared_ptr<const Model>> SqliteSceneStore::write(Transaction transaction, Model after, JournalEntry entry,
+                                                             NodeId next_node_id) {
+  entry.info.revision = entry.place.revision = after.revision;
+  entry.info.parent = model_->revision;
+  if (entry.info.accepted_ns == 0) entry.info.accepted_ns = wall_clock_ns();
+  // The journal first: the rows of nodes refer to it.
+  if (auto ok = append_entry(database_, entry); !ok) return fail(ok.error());
+  if (auto ok = write_difference(database_, *model_, after); !ok) return fail(ok.error());
+  if (auto ok = write_counter(database_, kNextNodeId, next_node_id); !ok) return fail(ok.error());
+  if (auto ok = transaction.commit(); !ok) return fail(ok.error());
+  model_ = std::make_shared<const Model>(std::move(after));
+  next_node_id_ = next_node_id;
+  return model_;
+}
+
+Result<std::shared_ptr<const Model>> SqliteSceneStore::commit(const std::vector<Edit>& edits, RevisionInfo info) {
+  const std::scoped_lock lock{mutex_};
+  NodeId next_node_id = next_node_id_;
+  const auto usable = checked(edits, next_node_id);
+  if (!usable) return fail(usable.error());
+  auto after = apply(*model_, *usable, model_->revision + 1);
+  if (!after) return fail(after.error());
+  auto writing = begin_writing();
+  if (!writing) return fail(writing.error());
+  JournalEntry entry{std::move(info), {after->revision, after->revision, writing->here.content, std::nullopt}};
+  return write(std::move(writing->transaction), std::move(*after), std::move(entry), next_node_id);
+}
+
+Result<std::shared_ptr<const Model>> SqliteSceneStore::go_back_or_forth(bool back) {
+  const std::scoped_lock lock{mutex_};
+  auto writing = begin_writing();
+  if (!writing) return fail(writing.error());
+  const auto& target = back ? writing->here.undo_content : writing->here.redo_revision;
+  if (!target) return fail(back ? "there is nothing to undo" : "there is nothing to redo");
+  auto place = place_of(database_, *target);
+  if (!place) return fail(place.error());
+  const auto change = read_info(database_, back ? writing->here.content : place->content);
+  if (!change) return fail(change.error());
+  if (back) place->redo_revision = writing->here.revision;
+  auto after = read_model(database_, *target, *model_);
+  if (!after) return fail(after.error());
+  after->revision = model_->revision + 1;
+  JournalEntry entry{info_of_return(*change, back), *place};
+  return write(std::move(writing->transaction), std::move(*after), std::move(entry), next_node_id_);
+}
+
+Result<std::vector<RevisionInfo>> SqliteSceneStore::log() const {
+  const std::scoped_lock lock{mutex_};
+  const auto snapshot = Transaction::begin(database_, "BEGIN");
+  if (!snapshot) return fail(snapshot.error());
+  return read_journal(database_);
+}
+
+Result<std::shared_ptr<const Model>> SqliteSceneStore::model_at(Revision revision) const {
+  const std::scoped_lock lock{mutex_};
+  const auto snapshot = Transaction::begin(database_, "BEGIN");
+  if (!snapshot) return fail(snapshot.error());
+  const auto place = place_of(database_, revision);
+  if (!place) return fail(place.error());
+  auto model = read_model(database_, revision, *model_);
+  if (!model) return fail(model.error());
+  return std::make_shared<const Model>(std::move(*model));
+}
+
+Result<std::uint64_t> SqliteSceneStore::begin_epoch() {
+  const std::scoped_lock lock{mutex_};
+  auto writing = begin_writing();
+  if (!writing) return fail(writing.error());
+  const auto epoch = read_counter(database_, kEpoch);
+  if (!epoch) return fail(epoch.error());
+  if (auto ok = write_counter(database_, kEpoch, *epoch + 1); !ok) return fail(ok.error());
+  if (auto ok = writing->transaction.commit(); !ok) return fail(ok.error());
+  return *epoch + 1;
+}
+
+Status make_sure_it_is_there(const std::filesystem::path& file, bool create) {
+  std::error_code error;
+  const auto status = std::filesystem::status(file, error);
+  if (std::filesystem::is_directory(status)) return fail(fmt::format("'{}' is a folder, not a scene", file.string()));
+  if (!std::filesystem::exists(status)) {
+    return create ? create_scene_file(file) : fail(fmt::format("the scene '{}' does not exist", file.string()));
+  }
+  if (!std::filesystem::is_regular_file(status)) {
+    return fail(fmt::format("'{}' is not a regular file, hence not a scene", file.string()));
+  }
+  // SQLite would take an empty file for an empty database.
+  if (std::filesystem::file_size(file, error) == 0)
+    return fail(fmt::format("'{}' is empty, not a scene", file.string()));
+  return {};
+}
+
+struct State {
+  Model model;
+  NodeId next_node_id = 1;
+};
+
+Result<State> read_state(Database& database) {
+  const auto snapshot = Transaction::begin(database, "BEGIN");
+  if (!snapshot) return fail(snapshot.error());
+  const auto last = last_place(database);
+  if (!last) return fail(last.error());
+  const auto next_node_id = read_counter(database, kNextNodeId);
+  if (!next_node_id) return fail(next_node_id.error());
+  auto model = read_model(database, last->revision, Model{});
+  if (!model) return fail(model.error());
+  if (*next_node_id == 0 || (!model->nodes.empty() && model->nodes.back().id >= *next_node_id)) {
+    return fail(
+        fmt::format("'{}' is damaged (its next node id is in use); restore it from a copy", database.file().string()));
+  }
+  return State{std::move(*model), *next_node_id};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SceneStore>> SceneStore::open(const std::filesystem::path& file, bool create) {
+  if (auto ok = make_sure_it_is_there(file, create); !ok) return fail(ok.error());
+  auto database = open_scene_file(file);
+  if (!database) return fail(database.error());
+  auto state = read_state(*database);
+  if (!state) return fail(state.error());
+  database->checkpoint_on_close(true);
+  return std::make_unique<SqliteSceneStore>(
+      std::move(*database), std::make_shared<const Model>(std::move(state->model)), state->next_node_id);
+}
+
+}  // namespace meshloop

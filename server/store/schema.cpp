@@ -1,0 +1,132 @@
+#include "server/store/schema.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <system_error>
+
+namespace meshloop {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// "MLOP": how the file command and SQLite tell a scene from other SQLite files.
+constexpr std::int64_t kApplicationId = 0x4d4c4f50;
+constexpr std::int64_t kSchemaVersion = 1;
+
+// README.md, "The file", describes the tables.
+constexpr const char* kSchema = R"sql(
+CREATE TABLE meta(key TEXT PRIMARY KEY, value INTEGER NOT NULL) STRICT, WITHOUT ROWID;
+INSERT INTO meta VALUES('epoch', 0), ('next_node_id', 1);
+CREATE TABLE revision(
+  revision INTEGER PRIMARY KEY, parent INTEGER NOT NULL, content INTEGER NOT NULL, undo_content INTEGER,
+  redo_revision INTEGER REFERENCES revision, accepted_ns INTEGER NOT NULL, author TEXT NOT NULL,
+  summary TEXT NOT NULL, triangles_added INTEGER NOT NULL, triangles_removed INTEGER NOT NULL) STRICT;
+CREATE TABLE picture(
+  revision INTEGER NOT NULL REFERENCES revision, position INTEGER NOT NULL, png BLOB NOT NULL,
+  PRIMARY KEY(revision, position)) STRICT;
+CREATE TABLE geometry(
+  hash BLOB PRIMARY KEY, positions BLOB NOT NULL, colors BLOB NOT NULL, triangles BLOB NOT NULL) STRICT;
+CREATE TABLE node(
+  node_id INTEGER NOT NULL, from_revision INTEGER NOT NULL REFERENCES revision,
+  to_revision INTEGER REFERENCES revision, name TEXT NOT NULL, transform BLOB NOT NULL,
+  geometry BLOB NOT NULL REFERENCES geometry, PRIMARY KEY(node_id, from_revision)) STRICT;
+CREATE INDEX node_present ON node(node_id) WHERE to_revision IS NULL;
+)sql";
+
+tl::unexpected<Error> cannot_create(const fs::path& file, int error) {
+  return fail(fmt::format("cannot make the scene '{}': {}", file.string(), std::generic_category().message(error)));
+}
+
+Status fill_new_file(const fs::path& file) {
+  auto database = Database::open(file, Database::Access::create);
+  if (!database) return fail(database.error());
+  if (auto ok = database->run("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; BEGIN"); !ok) return ok;
+  if (auto ok = database->run(kSchema); !ok) return ok;
+  const std::string identity =
+      fmt::format("PRAGMA application_id={}; PRAGMA user_version={}; COMMIT", kApplicationId, kSchemaVersion);
+  return database->run(identity.c_str());
+}
+
+void remove_with_companions(const fs::path& file) {
+  std::error_code ignored;
+  for (const char* ending : {"", "-wal", "-shm", "-journal"}) fs::remove(file.string() + ending, ignored);
+}
+
+void sync_folder(const fs::path& folder) {
+  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return;
+  ::fsync(fd);
+  ::close(fd);
+}
+
+Status check_identity(Database& database) {
+  const auto id = database.integer("PRAGMA application_id");
+  if (!id) return fail(id.error());
+  const std::string file = database.file().string();
+  if (*id != kApplicationId) return fail(fmt::format("'{}' is an SQLite file of another program, not a scene", file));
+  const auto version = database.integer("PRAGMA user_version");
+  if (!version) return fail(version.error());
+  if (*version != kSchemaVersion) {
+    return fail(fmt::format("'{}' has schema version {}, and this program knows {}; use the program that wrote it",
+                            file, *version, kSchemaVersion));
+  }
+  return {};
+}
+
+Status check_pages(Database& database) {
+  auto check = database.prepare("PRAGMA quick_check(1)");
+  if (!check) return fail(check.error());
+  const auto row = check->step();
+  if (!row) return fail(row.error());
+  const std::string verdict = *row ? check->text(0) : "no answer";
+  if (verdict != "ok") {
+    return fail(fmt::format("'{}' is damaged ({}); restore it from a copy", database.file().string(), verdict));
+  }
+  // A scene has neither, and what they would do is somebody else's will.
+  const auto foreign = database.integer("SELECT count(*) FROM sqlite_schema WHERE type IN ('trigger', 'view')");
+  if (!foreign) return fail(foreign.error());
+  if (*foreign != 0) return fail(fmt::format("'{}' is not a scene this program made", database.file().string()));
+  return {};
+}
+
+}  // namespace
+
+Status create_scene_file(const fs::path& file) {
+  const auto folder = file.has_parent_path() ? file.parent_path() : fs::path{"."};
+  const fs::path temporary = folder / fmt::format(".{}.{}.new", file.filename().string(), ::getpid());
+  remove_with_companions(temporary);
+  auto filled = fill_new_file(temporary);
+  int error = 0;
+  // A link, unlike a rename, never replaces a scene that appeared meanwhile.
+  if (filled && ::link(temporary.c_str(), file.c_str()) != 0 && errno != EEXIST) error = errno;
+  // Some file systems have no links.
+  if (error == EPERM || error == ENOTSUP) error = ::rename(temporary.c_str(), file.c_str()) == 0 ? 0 : errno;
+  remove_with_companions(temporary);
+  if (!filled) return fail(fmt::format("cannot make the scene '{}'", file.string()), filled.error());
+  if (error != 0) return cannot_create(file, error);
+  sync_folder(folder);
+  return {};
+}
+
+Result<Database> open_scene_file(const fs::path& file) {
+  {
+    // A connection that cannot write does not touch what turns out to be somebody else's.
+    auto foreign = Database::open(file, Database::Access::read_only);
+    if (!foreign) return fail(foreign.error());
+    if (auto ok = check_identity(*foreign); !ok) return fail(ok.error());
+  }
+  auto database = Database::open(file, Database::Access::read_write);
+  if (!database) return fail(database.error());
+  database->checkpoint_on_close(false);
+  if (auto ok = database->run("PRAGMA synchronous=FULL; PRAGMA foreign_keys=ON; PRAGMA cell_size_check=ON"); !ok) {
+    return fail(ok.error());
+  }
+  if (auto ok = check_pages(*database); !ok) return fail(ok.error());
+  return database;
+}
+
+}  // namespace meshloop

@@ -1,0 +1,17 @@
+#pragma once
+#include <filesystem>
+
+#include "common/base/result.h"
+#include "server/store/sqlite.h"
+
+namespace meshloop {
+
+/// Makes an empty scene file: complete under a temporary name first, so that under its own name stands a whole scene
+/// or nothing. A scene that another process made meanwhile is left as it is.
+[[nodiscard]] Status create_scene_file(const std::filesystem::path& file);
+
+/// A connection to a scene file, checked: the right program, a known schema, pages in order. A file that is refused
+/// is unchanged; the caller allows the connection to move its log into the file once it has read the scene.
+[[nodiscard]] Result<Database> open_scene_file(const std::filesystem::path& file);
+
+}  // namespace meshloop

@@ -1,0 +1,222 @@
+// What happens to a scene outside the plan: a killed process, a full disk, a second program, a damaged file.
+#include <signal.h>
+#include <sqlite3.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <random>
+#include <thread>
+
+#include "scenes.h"
+
+namespace meshloop {
+namespace {
+
+using test::add;
+using test::content_of;
+using test::expect_same_content;
+using test::open_or_die;
+using test::write_content;
+
+class HardTimes : public test::SceneFolder {
+ protected:
+  std::string refusal(const std::filesystem::path& file) const {
+    const auto store = SceneStore::open(file, true);
+    return store ? std::string{} : store.error().message;
+  }
+  void run_sql(const std::string& sql) const {
+    sqlite3* database = nullptr;
+    ASSERT_EQ(sqlite3_open(scene_.c_str(), &database), SQLITE_OK);
+    EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK) << sqlite3_errmsg(database);
+    sqlite3_close(database);
+  }
+};
+
+/// Runs in a child process: commits, and says each number once commit() has returned.
+[[noreturn]] void commit_for_ever(const std::filesystem::path& scene, int out) {
+  const auto store = SceneStore::open(scene, true);
+  if (!store) ::_exit(1);
+  for (int seed = 0;; ++seed) {
+    std::vector<Edit> edits{add((*store)->next_node_id(), seed, 12)};
+    const auto& nodes = (*store)->model()->nodes;
+    if (nodes.size() > 4) edits.push_back(RemoveNode{nodes.front().id});
+    const auto model = seed % 7 == 6 ? (*store)->undo() : (*store)->commit(edits, {});
+    if (!model) ::_exit(1);
+    const std::uint64_t number = (*model)->revision;
+    if (::write(out, &number, sizeof number) != sizeof number) ::_exit(1);
+  }
+}
+
+/// The last revision that the child reported before it was killed.
+std::uint64_t kill_while_committing(const std::filesystem::path& scene, std::chrono::microseconds delay) {
+  int ends[2];
+  EXPECT_EQ(::pipe(ends), 0);
+  const pid_t child = ::fork();
+  if (child == 0) commit_for_ever(scene, ends[1]);
+  ::close(ends[1]);
+  std::this_thread::sleep_for(delay);
+  ::kill(child, SIGKILL);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFSIGNALED(status)) << "the child ended by itself";
+  std::uint64_t number = 0, last = 0;
+  while (::read(ends[0], &number, sizeof number) == sizeof number) last = number;
+  ::close(ends[0]);
+  return last;
+}
+
+TEST_F(HardTimes, EveryReportedRevisionSurvivesKillNineAtAnyMoment) {
+  std::mt19937 random{21};
+  std::uint64_t reported = 0;
+  for (int round = 0; round < 20; ++round) {
+    reported = std::max(reported, kill_while_committing(scene_, std::chrono::microseconds{random() % 120'000}));
+    if (!std::filesystem::exists(scene_)) continue;
+    const auto store = SceneStore::open(scene_, false);
+    ASSERT_TRUE(store) << store.error().message;
+    ASSERT_GE((*store)->model()->revision, reported);
+    const auto log = (*store)->log();
+    ASSERT_TRUE(log) << log.error().message;
+    ASSERT_EQ(log->size(), (*store)->model()->revision);
+    for (Revision revision = reported > 20 ? reported - 20 : 0; revision <= reported; ++revision) {
+      ASSERT_TRUE((*store)->model_at(revision)) << revision;
+    }
+    reported = (*store)->model()->revision;
+  }
+  EXPECT_GT(reported, 20u) << "the children hardly committed";
+}
+
+TEST_F(HardTimes, AFullDiskKeepsTheLastRevision) {
+  const auto committed = open_or_die(scene_)->commit({add(1, 1)}, {}).value();
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{400'000, 400'000};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    auto store = SceneStore::open(scene_, false);
+    if (!store) ::_exit(2);
+    const auto too_large = (*store)->commit({add(2, 2, 150)}, {});
+    if (too_large || too_large.error().message.find("full") == std::string::npos) ::_exit(3);
+    if ((*store)->model()->revision != 1) ::_exit(4);
+    ::_exit((*store)->commit({add(2, 2)}, {}) ? 0 : 5);
+  }
+  int status = -1;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  const auto store = open_or_die(scene_, false);
+  EXPECT_EQ(store->model()->revision, 2u);
+  expect_same_content(*store->model_at(1).value(), *committed);
+}
+
+TEST_F(HardTimes, OneProgramWritesAndOthersRead) {
+  const auto writer = open_or_die(scene_);
+  writer->commit({add(1, 1)}, {}).value();
+  {
+    const auto other = open_or_die(scene_, false);
+    EXPECT_EQ(other->log().value().size(), 1u);
+    EXPECT_EQ(other->model()->nodes.size(), 1u);
+    const auto refused = other->undo();
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("another program is writing"), std::string::npos) << refused.error().message;
+  }
+  EXPECT_TRUE(writer->commit({add(2, 2)}, {}));
+}
+
+TEST_F(HardTimes, AStaleReaderMayNotWriteOverNewerRevisions) {
+  const auto stale = open_or_die(scene_);
+  open_or_die(scene_)->commit({add(1, 1)}, {}).value();
+  const auto refused = stale->commit({add(1, 2)}, {});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("open it again"), std::string::npos) << refused.error().message;
+  EXPECT_EQ(stale->log().value().size(), 1u);
+}
+
+TEST_F(HardTimes, ForeignFilesAreRefusedUnchanged) {
+  const auto refused_unchanged = [this](const std::string& content) {
+    write_content(scene_, content);
+    const auto message = refusal(scene_);
+    EXPECT_EQ(content_of(scene_), content);
+    return message;
+  };
+  EXPECT_NE(refused_unchanged("").find("empty"), std::string::npos);
+  EXPECT_NE(refused_unchanged("# a text\n").find("not a scene"), std::string::npos);
+  EXPECT_NE(refused_unchanged(std::string(5000, '\xff')).find("not a scene"), std::string::npos);
+  std::filesystem::remove(scene_);
+  run_sql("CREATE TABLE revision(revision INTEGER PRIMARY KEY)");
+  EXPECT_NE(refused_unchanged(content_of(scene_)).find("another program"), std::string::npos);
+  EXPECT_NE(refusal(folder_).find("folder"), std::string::npos);
+  EXPECT_NE(refusal("/dev/null").find("regular file"), std::string::npos);
+}
+
+TEST_F(HardTimes, ASceneOfANewerSchemaIsRefused) {
+  open_or_die(scene_);
+  run_sql("PRAGMA user_version=2");
+  EXPECT_NE(refusal(scene_).find("schema version 2"), std::string::npos) << refusal(scene_);
+}
+
+TEST_F(HardTimes, RowsThatContradictEachOtherAreRefused) {
+  const auto damaged_by = [this](const std::string& sql) {
+    std::filesystem::remove(scene_);
+    {
+      const auto store = open_or_die(scene_);
+      store->commit({add(1, 1), add(2, 2)}, {}).value();
+      store->commit({RemoveNode{2}}, {}).value();
+    }
+    run_sql(sql);
+    return refusal(scene_);
+  };
+  EXPECT_EQ(damaged_by("SELECT 1"), "");
+  for (const char* sql : {"DELETE FROM geometry", "UPDATE geometry SET positions = x'00'",
+                          "UPDATE geometry SET triangles = zeroblob(length(triangles))",
+                          "UPDATE geometry SET colors = x'010203'", "UPDATE node SET transform = zeroblob(128)",
+                          "UPDATE node SET transform = x''", "UPDATE node SET geometry = x''",
+                          "UPDATE node SET node_id = -node_id", "UPDATE meta SET value = 1 WHERE key = 'next_node_id'",
+                          "DELETE FROM meta", "DROP TABLE node", "UPDATE revision SET undo_content = 7",
+                          "UPDATE revision SET content = 9", "UPDATE revision SET redo_revision = revision"}) {
+    EXPECT_NE(damaged_by(sql), "") << sql;
+  }
+  EXPECT_NE(damaged_by("CREATE TRIGGER t AFTER INSERT ON revision BEGIN DELETE FROM node; END"), "");
+}
+
+TEST_F(HardTimes, TruncatedScenesAreRefusedUnchanged) {
+  open_or_die(scene_)->commit({add(1, 1, 40)}, {}).value();
+  const std::string whole = content_of(scene_);
+  for (std::size_t i = 1; i < 16; ++i) {
+    const std::string part = whole.substr(0, whole.size() * i / 16);
+    write_content(scene_, part);
+    EXPECT_NE(refusal(scene_), "") << part.size() << " of " << whole.size() << " bytes";
+    EXPECT_TRUE(content_of(scene_) == part);
+  }
+}
+
+TEST_F(HardTimes, FlippedBytesNeverCrashAndNeverChangeAnything) {
+  {
+    const auto store = open_or_die(scene_);
+    for (int i = 1; i <= 6; ++i) store->commit({add(static_cast<NodeId>(i), i, 8)}, {}).value();
+    store->undo().value();
+  }
+  const std::string whole = content_of(scene_);
+  std::mt19937 random{31};
+  int refused = 0;
+  for (int round = 0; round < 150; ++round) {
+    std::string damaged = whole;
+    for (std::size_t i = 0, count = 1 + random() % 8; i < count; ++i) {
+      damaged[random() % (round % 3 == 0 ? 4096 : damaged.size())] = static_cast<char>(random());
+    }
+    write_content(scene_, damaged);
+    const auto store = SceneStore::open(scene_, false);
+    if (!store) {
+      ++refused;
+      EXPECT_FALSE(store.error().message.empty());
+      EXPECT_TRUE(content_of(scene_) == damaged);
+      continue;
+    }
+    // A flip where nothing is stored, or in the journal's text. What is read later is an answer or an error too.
+    (void)(*store)->log();
+    for (Revision revision = 0; revision < 8; ++revision) (void)(*store)->model_at(revision);
+  }
+  EXPECT_GT(refused, 75);
+}
+
+}  // namespace
+}  // namespace meshloop
