@@ -231,8 +231,7 @@ std::vector<Triangle> triangulate(const DepthGrid& grid, const Camera& camera, d
   return all;
 }
 
-std::vector<Triangle> without_small_pieces(const std::vector<Triangle>& triangles, std::size_t vertex_count,
-                                           std::size_t smallest) {
+void drop_small_pieces(std::vector<Triangle>& triangles, std::size_t vertex_count, std::size_t smallest) {
   std::vector<std::uint32_t> parent(vertex_count);
   for (std::size_t i = 0; i < vertex_count; ++i) parent[i] = static_cast<std::uint32_t>(i);
   for (const auto& [a, b, c] : triangles) {
@@ -240,14 +239,9 @@ std::vector<Triangle> without_small_pieces(const std::vector<Triangle>& triangle
     parent[root_of(parent, b)] = root;
     parent[root_of(parent, c)] = root;
   }
-  std::vector<std::size_t> count(vertex_count, 0);
+  std::vector<std::uint32_t> count(vertex_count, 0);
   for (const auto& t : triangles) ++count[root_of(parent, t[0])];
-  std::vector<Triangle> kept;
-  kept.reserve(triangles.size());
-  for (const auto& t : triangles) {
-    if (count[root_of(parent, t[0])] >= smallest) kept.push_back(t);
-  }
-  return kept;
+  std::erase_if(triangles, [&](const Triangle& t) { return count[root_of(parent, t[0])] < smallest; });
 }
 
 }  // namespace meshloop::adjust

@@ -56,8 +56,7 @@ void smooth(DepthGrid& grid, const DepthImage& measured);
                                                 double discontinuity_sigmas);
 
 /// Drops the triangles of connected patches (sharing a vertex) with fewer than `smallest` triangles.
-[[nodiscard]] std::vector<Triangle> without_small_pieces(const std::vector<Triangle>& triangles,
-                                                         std::size_t vertex_count, std::size_t smallest);
+void drop_small_pieces(std::vector<Triangle>& triangles, std::size_t vertex_count, std::size_t smallest);
 
 /// Depth by which a surface seen at 80 degrees changes from one pixel to the next, per metre of distance and for a
 /// focal length of one pixel.

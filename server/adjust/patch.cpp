@@ -120,7 +120,7 @@ Submesh make_patch(const Snapshot& snapshot, RegionId region, const AdjustOption
   if (grid.window.empty()) return {};
   if (options.smooth && worth_smoothing(rig.sensor)) smooth(grid, snapshot.frame->depth);
   auto triangles = triangulate(grid, rig.depth, options.discontinuity_sigmas);
-  triangles = without_small_pieces(triangles, grid.z.size(), options.min_patch_triangles);
+  drop_small_pieces(triangles, grid.z.size(), options.min_patch_triangles);
 
   Submesh patch;
   const Vertices vertices = number_vertices(triangles, grid.z.size());
@@ -136,8 +136,12 @@ Submesh make_patch(const Snapshot& snapshot, RegionId region, const AdjustOption
   return snap_to_lattice(patch);
 }
 
-std::vector<Submesh> split(const Submesh& submesh, std::size_t max_triangles) {
-  if (submesh.triangles.size() <= max_triangles || max_triangles == 0) return {submesh};
+std::vector<Submesh> split(Submesh submesh, std::size_t max_triangles) {
+  std::vector<Submesh> pieces;
+  if (submesh.triangles.size() <= max_triangles || max_triangles == 0) {
+    pieces.push_back(std::move(submesh));
+    return pieces;
+  }
   const auto center = [&](std::size_t t) {
     const auto& [a, b, c] = submesh.triangles[t];
     return Eigen::Vector3f(submesh.positions[a] + submesh.positions[b] + submesh.positions[c]);
@@ -153,7 +157,7 @@ std::vector<Submesh> split(const Submesh& submesh, std::size_t max_triangles) {
                    [&](std::size_t a, std::size_t b) { return center(a)[axis] < center(b)[axis]; });
   std::vector<bool> first(order.size(), false);
   for (auto it = order.begin(); it != middle; ++it) first[*it] = true;
-  auto pieces = split(keep_triangles(submesh, first), max_triangles);
+  pieces = split(keep_triangles(submesh, first), max_triangles);
   first.flip();
   auto others = split(keep_triangles(submesh, first), max_triangles);
   std::move(others.begin(), others.end(), std::back_inserter(pieces));

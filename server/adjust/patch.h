@@ -19,6 +19,6 @@ inline constexpr std::size_t kMaxPatchTriangles = 60'000;
 
 /// Cuts a submesh between triangles into pieces near each other in space, of at most `max_triangles` each. Vertices
 /// along a cut are in both pieces, with the same bits.
-[[nodiscard]] std::vector<Submesh> split(const Submesh& submesh, std::size_t max_triangles);
+[[nodiscard]] std::vector<Submesh> split(Submesh submesh, std::size_t max_triangles);
 
 }  // namespace meshloop::adjust

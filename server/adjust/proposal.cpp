@@ -30,16 +30,16 @@ Proposal start_proposal(const Region& region) {
   return proposal;
 }
 
-Proposal propose_insertion(const Region& region, const Submesh& patch, NodeId& next_node_id) {
+Proposal propose_insertion(const Region& region, Submesh patch, NodeId& next_node_id) {
   Proposal proposal = start_proposal(region);
   if (!validate(patch)) return proposal;
-  auto pieces = adjust::split(patch, adjust::kMaxPatchTriangles);
+  proposal.triangles_added = patch.triangles.size();
+  auto pieces = adjust::split(std::move(patch), adjust::kMaxPatchTriangles);
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     const auto name = pieces.size() == 1 ? fmt::format("patch {}", next_node_id)
                                          : fmt::format("patch {} ({} of {})", next_node_id, i + 1, pieces.size());
     proposal.edits.emplace_back(AddNode{make_node(next_node_id++, name, std::move(pieces[i]))});
   }
-  proposal.triangles_added = patch.triangles.size();
   proposal.effect = effect_of(proposal);
   return proposal;
 }
