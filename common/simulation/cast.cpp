@@ -31,15 +31,31 @@ void for_each_pixel(const ViewCast& view, const Camera& camera, int threads, con
   });
 }
 
+constexpr std::uint32_t kBackground = 0;
+
 struct Sample {
   Rgb8 color;
   /// Equal for rays that meet the same face in the same light.
-  std::uint32_t surface = 0;
+  std::uint32_t surface = kBackground;
 };
 
-std::uint8_t shade(std::uint8_t channel, double brightness) {
-  return static_cast<std::uint8_t>(std::min(255.0, channel * brightness + 0.5));
+std::uint8_t shade(std::uint8_t channel, int brightness) {
+  return static_cast<std::uint8_t>(std::min(255, (channel * brightness + 128) >> 8));
 }
+
+/// How the lamps light a surface: brightness in 1/256, in the lamp's shadow and out of it.
+struct Lighting {
+  Lighting(const Light& light, const Eigen::Vector3d& normal_world)
+      : dark{rounded(light.brightness(normal_world, false))},
+        bright{rounded(light.brightness(normal_world, true))},
+        turned_to_lamp{light.is_turned_to_lamp(normal_world)} {}
+
+  static int rounded(double brightness) { return static_cast<int>(brightness * 256 + 0.5); }
+
+  int dark;
+  int bright;
+  bool turned_to_lamp;
+};
 
 /// The colours along the rays of one view.
 class ColorCast {
@@ -48,19 +64,28 @@ class ColorCast {
       : scene_{scene},
         view_{scene, camera, T_camera_world, false},
         light_{scene},
-        R_world_camera_{T_camera_world.linear().transpose()} {}
+        R_world_camera_{T_camera_world.linear().transpose()} {
+    for (const Solid& solid : scene.solids) {
+      for (int face = 0; face < kMantle; ++face) {
+        const Eigen::Vector3d normal = normal_of_face(face, Eigen::Vector3d::Zero());
+        flat_faces_.emplace_back(light_, solid.T_world_solid.linear() * normal);
+      }
+    }
+  }
 
   [[nodiscard]] const ViewCast& view() const { return view_; }
 
   [[nodiscard]] Sample sample(int tile_column, int tile_row, double u, double v) const {
     const Hit hit = view_.cast(tile_column, tile_row, u, v);
-    if (hit.solid < 0) return {scene_.background(R_world_camera_ * view_.ray(u, v)), 0};
-    const Solid& solid = scene_.solids[static_cast<std::size_t>(hit.solid)];
+    if (hit.solid < 0) return {scene_.background(R_world_camera_ * view_.ray(u, v)), kBackground};
+    const auto index = static_cast<std::size_t>(hit.solid);
+    const Solid& solid = scene_.solids[index];
     const Eigen::Vector3d normal_solid = normal_of_face(hit.face, hit.p_solid);
-    const Eigen::Vector3d normal = solid.T_world_solid.linear() * normal_solid;
-    const bool lit = light_.reaches(solid.T_world_solid * hit.p_solid, normal, hit.solid);
+    const Lighting lighting = hit.face == kMantle ? Lighting(light_, solid.T_world_solid.linear() * normal_solid)
+                                                  : flat_faces_[index * kMantle + static_cast<std::size_t>(hit.face)];
+    const bool lit = lighting.turned_to_lamp && light_.reaches(solid.T_world_solid * hit.p_solid, hit.solid);
+    const int brightness = lit ? lighting.bright : lighting.dark;
     const Rgb8 paint = solid.texture(hit.p_solid, normal_solid);
-    const double brightness = light_.brightness(normal, lit);
     const auto surface = static_cast<std::uint32_t>((hit.solid + 1) * 16 + hit.face * 2 + (lit ? 1 : 0));
     return {{shade(paint.r, brightness), shade(paint.g, brightness), shade(paint.b, brightness)}, surface};
   }
@@ -84,9 +109,13 @@ class ColorCast {
   ViewCast view_;
   Light light_;
   Eigen::Matrix3d R_world_camera_;
+  /// Six for each solid, whatever its shape.
+  std::vector<Lighting> flat_faces_;
 };
 
 bool differ(const Sample& a, const Sample& b) {
+  // The room is soft already: a pixel sees about one texel of it.
+  if (a.surface == kBackground && b.surface == kBackground) return false;
   const int step =
       std::max({std::abs(a.color.r - b.color.r), std::abs(a.color.g - b.color.g), std::abs(a.color.b - b.color.b)});
   return a.surface != b.surface || step > kVisibleStep;

@@ -71,8 +71,7 @@ void Light::fill_cells() {
   first_.push_back(static_cast<std::uint32_t>(in_cell_.size()));
 }
 
-bool Light::reaches(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world, int index) const {
-  if (normal_world.dot(to_lamp_) <= 0) return false;
+bool Light::reaches(const Eigen::Vector3d& p_world, int index) const {
   const auto cell = static_cast<std::size_t>(row_of(p_world) * kCells + column_of(p_world));
   for (auto i = first_[cell]; i < first_[cell + 1]; ++i) {
     if (in_cell_[i] == index) continue;

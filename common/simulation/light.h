@@ -14,8 +14,11 @@ class Light {
  public:
   explicit Light(const Scene& scene);
 
-  /// Whether the lamp reaches a point on the surface of solid `index`.
-  [[nodiscard]] bool reaches(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world, int index) const;
+  [[nodiscard]] bool is_turned_to_lamp(const Eigen::Vector3d& normal_world) const {
+    return normal_world.dot(to_lamp_) > 0;
+  }
+  /// Whether the lamp reaches a point on a face of solid `index` that is turned to the lamp.
+  [[nodiscard]] bool reaches(const Eigen::Vector3d& p_world, int index) const;
   /// By how much a surface's colour is multiplied.
   [[nodiscard]] double brightness(const Eigen::Vector3d& normal_world, bool reached) const;
 

@@ -92,10 +92,9 @@ bool is_torn(const DepthImage& depth, int u, int v) {
   return steps(u - 1, v) || steps(u + 1, v) || steps(u, v - 1) || steps(u, v + 1);
 }
 
-double quantised(double z, double step) {
-  if (step <= 0) return z;
-  // Steps of z^2 in depth are equal steps of its inverse, the disparity.
-  const double disparity_step = step / (z * z);
+// Steps of z^2 in depth are equal steps of its inverse, the disparity.
+double quantised(double z, double disparity_step) {
+  if (disparity_step <= 0) return z;
   return 1 / (std::max(1.0, std::round(1 / (z * disparity_step))) * disparity_step);
 }
 
@@ -142,7 +141,7 @@ class NoisyFrame {
     const double step = sensor_.quantisation_m(z) * options_.strength;
     // Rounding to steps adds step^2 / 12 to the variance.
     const double gaussian = std::sqrt(std::max(0.0, sigma * sigma - step * step / 12));
-    return quantised(z + gaussian * random_normals(options_.seed, index, kAxial).first, step);
+    return quantised(z + gaussian * random_normals(options_.seed, index, kAxial).first, step / (z * z));
   }
 
   const ExactDepth& exact_;

@@ -20,7 +20,8 @@ struct ExactDepth {
 [[nodiscard]] ExactDepth cast_depth(const Scene& scene, const Camera& camera, const Pose& T_camera_world,
                                     bool modelled_only, int threads = 0);
 /// Colour with one fixed lamp that throws shadows. Anti-aliased by supersampling x supersampling rays where a pixel
-/// differs from its neighbours in surface, shadow or, visibly, in colour; one ray elsewhere.
+/// differs from its neighbours in surface, shadow or, visibly, in colour; one ray elsewhere, also inside the
+/// background.
 [[nodiscard]] ColorImage cast_color(const Scene& scene, const Camera& camera, const Pose& T_camera_world,
                                     int supersampling, int threads = 0);
 

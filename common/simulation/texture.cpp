@@ -24,7 +24,14 @@ FacePoint on_face(const Eigen::Vector3d& p, const Eigen::Vector3d& normal) {
   return {p.x(), -p.y(), axis};
 }
 
+// Much faster than std::floor on a baseline x86-64, which has no instruction for it.
+int floor_of(double x) {
+  const int truncated = static_cast<int>(x);
+  return truncated - (x < truncated ? 1 : 0);
+}
+
 int wrapped(int i, int size) {
+  if (i >= 0 && i < size) return i;
   const int rest = i % size;
   return rest < 0 ? rest + size : rest;
 }
@@ -39,12 +46,12 @@ Bitmap::Bitmap(double width_m, double height_m, double pixel_m)
 Rgb8 Bitmap::at(double x_m, double y_m) const {
   const double x = x_m / pixel_m_ - 0.5;
   const double y = y_m / pixel_m_ - 0.5;
-  const double floor_x = std::floor(x);
-  const double floor_y = std::floor(y);
+  const int floor_x = floor_of(x);
+  const int floor_y = floor_of(y);
   const int right_share = static_cast<int>((x - floor_x) * 256);
   const int lower_share = static_cast<int>((y - floor_y) * 256);
-  const int x0 = wrapped(static_cast<int>(floor_x), pixels_.width());
-  const int y0 = wrapped(static_cast<int>(floor_y), pixels_.height());
+  const int x0 = wrapped(floor_x, pixels_.width());
+  const int y0 = wrapped(floor_y, pixels_.height());
   const int x1 = x0 + 1 == pixels_.width() ? 0 : x0 + 1;
   const int y1 = y0 + 1 == pixels_.height() ? 0 : y0 + 1;
   const Rgb8& a = pixels_(x0, y0);
@@ -75,12 +82,12 @@ Rgb8 blended(Rgb8 a, Rgb8 b, double share_of_b) {
 }
 
 double smooth_noise(double x, double y, std::uint64_t seed) {
-  const double floor_x = std::floor(x);
-  const double floor_y = std::floor(y);
+  const int floor_x = floor_of(x);
+  const int floor_y = floor_of(y);
   const auto value = [&](int dx, int dy) {
-    const auto column = static_cast<std::uint64_t>(static_cast<std::int64_t>(floor_x) + dx);
-    const auto row = static_cast<std::uint64_t>(static_cast<std::int64_t>(floor_y) + dy);
-    return 2 * random_unit(seed, column, row) - 1;
+    const auto column = static_cast<std::uint64_t>(static_cast<std::uint32_t>(floor_x + dx));
+    const auto row = static_cast<std::uint64_t>(static_cast<std::uint32_t>(floor_y + dy));
+    return 2 * to_unit(mix(seed ^ (column << 32 | row))) - 1;
   };
   const auto ease = [](double t) { return t * t * (3 - 2 * t); };
   const double s = ease(x - floor_x);
