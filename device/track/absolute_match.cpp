@@ -75,7 +75,7 @@ std::vector<AbsoluteMatch> match_view(const RenderedView& view, const GreyImage&
   CornerOptions corner_options;
   corner_options.max_corners = search.max_corners;
   corner_options.min_distance_px = 9;
-  const auto corners = find_corners(view.contrast, corner_mask(view, kOutlineMargin_px), {}, corner_options);
+  const auto corners = find_corners(view.grey, corner_mask(view, kOutlineMargin_px), {}, corner_options);
   std::vector<AbsoluteMatch> matches;
   std::vector<Eigen::Vector2d> expected;
   for (const auto& corner : corners) {
@@ -104,25 +104,6 @@ std::vector<PointObservation> observations_of(const std::vector<AbsoluteMatch>& 
     if (match.found) observations.push_back({match.p_world, match.pixel, sigma_px});
   }
   return observations;
-}
-
-double median_shift_px(const std::vector<AbsoluteMatch>& matches) {
-  std::vector<double> shifts;
-  for (const auto& match : matches) {
-    if (match.found) shifts.push_back((match.pixel - match.expected).norm());
-  }
-  if (shifts.empty()) return 0;
-  const auto middle = shifts.begin() + static_cast<std::ptrdiff_t>(shifts.size() / 2);
-  std::nth_element(shifts.begin(), middle, shifts.end());
-  return *middle;
-}
-
-int count_agreeing(const std::vector<AbsoluteMatch>& matches, const Camera& camera, const Pose& T_camera_world,
-                   double max_error_px) {
-  return static_cast<int>(std::count_if(matches.begin(), matches.end(), [&](const AbsoluteMatch& match) {
-    const Eigen::Vector3d p_camera = T_camera_world * match.p_world;
-    return match.found && p_camera.z() > 0 && (camera.project(p_camera) - match.pixel).norm() <= max_error_px;
-  }));
 }
 
 }  // namespace meshloop

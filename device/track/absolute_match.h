@@ -40,11 +40,4 @@ struct AbsoluteMatch {
 /// The found ones, for the solver.
 [[nodiscard]] std::vector<PointObservation> observations_of(const std::vector<AbsoluteMatch>& matches, double sigma_px);
 
-/// Median distance between expected and found; 0 when nothing was found.
-[[nodiscard]] double median_shift_px(const std::vector<AbsoluteMatch>& matches);
-
-/// How many matches were found within `max_error_px` of where the pose projects them.
-[[nodiscard]] int count_agreeing(const std::vector<AbsoluteMatch>& matches, const Camera& camera,
-                                 const Pose& T_camera_world, double max_error_px);
-
 }  // namespace meshloop

@@ -1,66 +1,133 @@
 #include "device/track/alignment.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
 #include <utility>
+
+#include "device/track/local_contrast.h"
 
 namespace meshloop {
 namespace {
 
-constexpr std::size_t kEnoughCorners = 24;
-constexpr double kAgree_px = 2;
-constexpr double kMaxError_px = 3;
-/// The absolute matches hold the drift down; the followed features, being more precise from frame to frame, the jitter.
-constexpr double kAbsoluteSigma_px = 0.7;
-constexpr double kFeatureSigma_px = 0.7;
+constexpr double kPointAgrees_px = 2;
+constexpr double kEdgeAgrees_px = 1;
+/// The absolute matches hold the drift down, the followed features the jitter.
+constexpr double kMatchSigma_px = 0.7;
+constexpr double kFollowedSigma_px = 0.7;
+/// Larger than an edge's own error: a dozen samples of one edge share what is wrong with it.
+constexpr double kEdgeSigma_px = 1.2;
+constexpr int kEdgeSpacing_px = 6;
+constexpr double kBlur_px = 1.0;
+constexpr double kRepeatAbove_px = 3;
 
-std::optional<RobustPose> solve(const Alignment& now, const Camera& camera, const Pose& start, bool rough,
-                                int min_inliers) {
-  RobustPoseOptions options;
-  options.max_error_px = kMaxError_px;
-  options.min_inliers = min_inliers;
-  auto observations = observations_of(now.matches, kAbsoluteSigma_px);
-  const auto followed = observations_of(now.features, kFeatureSigma_px);
-  observations.insert(observations.end(), followed.begin(), followed.end());
-  if (!rough) {
-    if (auto pose = refine_pose(observations, camera, start, options)) return pose;
+/// One drawing of the model, and how far it looks.
+struct Round {
+  AbsoluteSearch points;
+  EdgeSearch edges;
+  /// Observations farther off than this do not count.
+  double gate_px = 3;
+};
+
+Round close_round() {
+  return {AbsoluteSearch{}, EdgeSearch{}, 4};
+}
+
+std::array<Round, 4> wide_rounds() {
+  return {{{wide_search(), {16, 5}, 16}, {wide_search(), {10, 5}, 8}, close_round(), close_round()}};
+}
+
+struct Observations {
+  std::vector<PointObservation> matches;
+  std::vector<EdgeObservation> edges;
+};
+
+Observations observe(const RenderedView& view, const Picture& picture, const Round& round) {
+  Observations found;
+  found.matches = observations_of(match_view(view, picture.contrast, round.points), kMatchSigma_px);
+  found.edges = match_edges(find_model_edges(view, kEdgeSpacing_px), picture.smooth, round.edges, kEdgeSigma_px);
+  return found;
+}
+
+void count_votes(Alignment& now, const Observations& found, const Camera& camera) {
+  const auto agrees = [&](const PointObservation& point) {
+    const Eigen::Vector3d p_camera = now.T_camera_world * point.p_world;
+    return p_camera.z() > 0 && (camera.project(p_camera) - point.pixel).norm() <= kPointAgrees_px;
+  };
+  const auto edge_agrees = [&](const EdgeObservation& edge) {
+    return std::abs(edge_error_px(edge, camera, now.T_camera_world)) <= kEdgeAgrees_px;
+  };
+  now.matches = {static_cast<int>(found.matches.size()),
+                 static_cast<int>(std::count_if(found.matches.begin(), found.matches.end(), agrees))};
+  now.edges = {static_cast<int>(found.edges.size()),
+               static_cast<int>(std::count_if(found.edges.begin(), found.edges.end(), edge_agrees))};
+  now.followed = {count_trusted(now.features),
+                  count_agreeing(now.features, camera, now.T_camera_world, kPointAgrees_px)};
+}
+
+/// Draws, observes, solves. How far the pose moved the picture, in pixels; nothing when it could not be solved.
+std::optional<double> correct(Alignment& now, SceneRenderer& renderer, const Model& model, const Camera& camera,
+                              const Picture& picture, const FeatureSet& features, const Round& round) {
+  now.view = render_view(renderer, model, camera, now.T_camera_world);
+  now.features = on_surface(features, now.view);
+  const Observations found = observe(now.view, picture, round);
+  auto points = found.matches;
+  const auto followed = observations_of(now.features, kFollowedSigma_px);
+  points.insert(points.end(), followed.begin(), followed.end());
+  JointOptions joint_options;
+  joint_options.max_error_px = round.gate_px;
+  const auto pose = solve_pose(points, found.edges, camera, now.T_camera_world, joint_options);
+  if (!pose) return std::nullopt;
+  double moved_px = 0;
+  for (const auto& edge : found.edges) {
+    const Eigen::Vector3d before = now.T_camera_world * edge.p_world;
+    const Eigen::Vector3d after = pose->T_camera_world * edge.p_world;
+    if (after.z() > 0) moved_px = std::max(moved_px, (camera.project(after) - camera.project(before)).norm());
   }
-  return find_pose(observations, camera, options);
+  now.T_camera_world = pose->T_camera_world;
+  now.covariance = pose->covariance;
+  count_votes(now, found, camera);
+  return moved_px;
 }
 
 }  // namespace
 
-bool Alignment::has_absolute() const {
-  return matches.size() >= kEnoughCorners;
+Picture::Picture(const ColorImage& color)
+    : grey{to_grey(color)}, contrast{local_contrast(grey, {}, {})}, smooth{grey.width(), grey.height()} {
+  const cv::Mat sharp{grey.height(), grey.width(), CV_8UC1, grey.data()};
+  cv::Mat blurred{smooth.height(), smooth.width(), CV_8UC1, smooth.data()};
+  cv::GaussianBlur(sharp, blurred, {5, 5}, kBlur_px);
+}
+
+int Alignment::inliers() const {
+  return matches.agreeing + followed.agreeing + edges.agreeing / 4;
 }
 
 double Alignment::agreeing_share() const {
-  if (has_absolute()) return agreeing_matches / static_cast<double>(matches.size());
-  if (features.empty()) return 0;
-  return agreeing_features / static_cast<double>(features.size());
+  const double found = matches.found + followed.found + edges.found / 4.0;
+  return found > 0 ? (matches.agreeing + followed.agreeing + edges.agreeing / 4.0) / found : 0;
 }
 
-std::optional<Alignment> align(SceneRenderer& renderer, const Model& model, const Camera& camera,
-                               const GreyImage& contrast, const Pose& start, const FeatureSet& features,
-                               const AlignOptions& options) {
+std::optional<Alignment> align_closely(SceneRenderer& renderer, const Model& model, const Camera& camera,
+                                       const Picture& picture, const Pose& start, const FeatureSet& features) {
   Alignment now;
-  now.pose.T_camera_world = start;
-  AbsoluteSearch search = options.first_search;
-  bool rough = options.rough_start;
-  for (int round = 0; round < options.max_rounds; ++round) {
-    now.view = render_view(renderer, model, camera, now.pose.T_camera_world);
-    now.matches = match_view(now.view, contrast, search);
-    now.features = on_surface(features, now.view);
-    if (now.matches.empty() && now.features.empty()) break;
-    auto pose = solve(now, camera, now.pose.T_camera_world, rough, options.min_inliers);
-    if (!pose) return std::nullopt;
-    now.pose = std::move(*pose);
-    const bool settled = median_shift_px(now.matches) <= options.repeat_above_px;
-    if (settled && !rough) break;
-    search = AbsoluteSearch{};
-    rough = false;
+  now.T_camera_world = start;
+  auto moved_px = correct(now, renderer, model, camera, picture, features, close_round());
+  if (moved_px && *moved_px > kRepeatAbove_px) {
+    moved_px = correct(now, renderer, model, camera, picture, features, close_round());
   }
-  now.agreeing_matches = count_agreeing(now.matches, camera, now.pose.T_camera_world, kAgree_px);
-  now.agreeing_features = count_agreeing(now.features, camera, now.pose.T_camera_world, kAgree_px);
+  if (!moved_px) return std::nullopt;
+  return now;
+}
+
+std::optional<Alignment> align_widely(SceneRenderer& renderer, const Model& model, const Camera& camera,
+                                      const Picture& picture, const Pose& start) {
+  Alignment now;
+  now.T_camera_world = start;
+  for (const auto& round : wide_rounds()) {
+    if (!correct(now, renderer, model, camera, picture, {}, round)) return std::nullopt;
+  }
   return now;
 }
 

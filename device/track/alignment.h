@@ -4,41 +4,53 @@
 #include <vector>
 
 #include "device/track/absolute_match.h"
+#include "device/track/edge_match.h"
 #include "device/track/feature_set.h"
+#include "device/track/pose_solver.h"
 
 namespace meshloop {
 
-struct AlignOptions {
-  /// How far the first round looks; later rounds are fine.
-  AbsoluteSearch first_search;
-  /// Draws the model once more when the picture was farther than this from the rendered one.
-  double repeat_above_px = 3;
-  int max_rounds = 2;
-  /// The start may be far off: no trust in it beyond finding the matches.
-  bool rough_start = false;
-  int min_inliers = 15;
+/// One camera picture in the forms that its readers want.
+struct Picture {
+  explicit Picture(const ColorImage& color);
+
+  GreyImage grey;
+  GreyImage contrast;
+  /// Lightly blurred.
+  GreyImage smooth;
+};
+
+/// Observations of one kind.
+struct Votes {
+  int found = 0;
+  int agreeing = 0;
 };
 
 struct Alignment {
-  RobustPose pose;
-  /// Drawn at the pose of the last round, from which `pose` is only a small correction away.
+  Pose T_camera_world = Pose::Identity();
+  PoseCovariance covariance = PoseCovariance::Zero();
+  /// Drawn at the pose of the last round, from which the result is only a small correction away.
   RenderedView view;
-  std::vector<AbsoluteMatch> matches;
   /// The features that lie on the model's surface.
   FeatureSet features;
-  int agreeing_matches = 0;
-  int agreeing_features = 0;
+  Votes matches;
+  Votes edges;
+  Votes followed;
 
-  /// Enough of the model's corners are in sight to judge the pose by them.
-  [[nodiscard]] bool has_absolute() const;
-  /// Of the model's corners in sight, or (without these) of the features.
+  /// Agreeing observations. Edges count a quarter: neighbours on one edge say nearly the same, and a step of brightness
+  /// is found easily.
+  [[nodiscard]] int inliers() const;
+  /// Of what was found, the share that agrees with the pose; 0 when nothing was found.
   [[nodiscard]] double agreeing_share() const;
 };
 
-/// Nothing when too little agrees. With neither colours in the model nor features there is nothing to align to: the
-/// start is then the result, with no inliers.
-[[nodiscard]] std::optional<Alignment> align(SceneRenderer& renderer, const Model& model, const Camera& camera,
-                                             const GreyImage& contrast, const Pose& start, const FeatureSet& features,
-                                             const AlignOptions& options);
+/// From a pose that is right to a few pixels: draws the model once, and once more when it was farther off than that.
+[[nodiscard]] std::optional<Alignment> align_closely(SceneRenderer& renderer, const Model& model, const Camera& camera,
+                                                     const Picture& picture, const Pose& start,
+                                                     const FeatureSet& features);
+
+/// From a pose that is right to a few centimetres and degrees.
+[[nodiscard]] std::optional<Alignment> align_widely(SceneRenderer& renderer, const Model& model, const Camera& camera,
+                                                    const Picture& picture, const Pose& start);
 
 }  // namespace meshloop

@@ -12,7 +12,12 @@ struct Feature {
   /// In the newest frame.
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   Eigen::Vector3d p_world = Eigen::Vector3d::Zero();
-  /// Frames in a row in which it contradicted the pose or the model's colours.
+  /// Where the camera was when it was found.
+  Eigen::Vector3d eye_world = Eigen::Vector3d::Zero();
+  /// False while nothing but the model's depth speaks for its world point: the model's colours do not look like it
+  /// there. It is followed, but does not bear on the pose.
+  bool trusted = true;
+  /// Frames in a row in which it contradicted the pose.
   int contradictions = 0;
 };
 using FeatureSet = std::vector<Feature>;
@@ -26,9 +31,9 @@ using FeatureSet = std::vector<Feature>;
 /// the point is hidden now).
 [[nodiscard]] FeatureSet on_surface(const FeatureSet& features, const RenderedView& view);
 
-/// Counts each feature's contradictions and drops those with too many.
-[[nodiscard]] FeatureSet without_contradicting(FeatureSet features, const RenderedView& view, const GreyImage& contrast,
-                                               const Pose& T_camera_world);
+/// Counts each feature's contradictions to the pose and drops those with too many. One that still agrees after the
+/// camera has moved so far that a wrong depth would show is trusted from then on.
+[[nodiscard]] FeatureSet judged(FeatureSet features, const Camera& camera, const Pose& T_camera_world);
 
 /// Adds new corners of the picture, up to `max_features`, whose world points come from the view. A corner is taken only
 /// if the camera sees there what the model shows (where the model has colours): what is not modelled, or was moved,
@@ -36,9 +41,12 @@ using FeatureSet = std::vector<Feature>;
 [[nodiscard]] FeatureSet replenished(FeatureSet features, const GreyImage& grey, const GreyImage& contrast,
                                      const RenderedView& view, const Pose& T_camera_world, int max_features);
 
+/// The trusted ones, for the solver.
 [[nodiscard]] std::vector<PointObservation> observations_of(const FeatureSet& features, double sigma_px);
 
-/// How many features lie within `max_error_px` of where the pose projects them.
+[[nodiscard]] int count_trusted(const FeatureSet& features);
+
+/// How many trusted features lie within `max_error_px` of where the pose projects them.
 [[nodiscard]] int count_agreeing(const FeatureSet& features, const Camera& camera, const Pose& T_camera_world,
                                  double max_error_px);
 

@@ -8,25 +8,19 @@
 
 #include "device/track/alignment.h"
 #include "device/track/known_views.h"
-#include "device/track/local_contrast.h"
 
 namespace meshloop {
 namespace {
 
 constexpr double kMaxSpread_m = 0.05;
 constexpr double kMaxSpread_rad = 0.05;
-/// Of the model's corners in sight, the share that must agree: to go on, to start, to go on for long.
-constexpr double kShareToStart = 0.3;
-constexpr double kShareToGoOn = 0.15;
+/// The share of the observations that must agree, to start and to go on for long.
+constexpr double kShareToStart = 0.5;
+constexpr double kShareToGoOn = 0.35;
 constexpr int kMaxDoubtfulFrames = 5;
 /// A pose predicted over more frames than this is no better than the last one.
 constexpr double kLongestPrediction = 3;
 constexpr std::size_t kViewsToTry = 2;
-
-struct Picture {
-  GreyImage grey;
-  GreyImage contrast;
-};
 
 struct TimedPose {
   double timestamp_s = 0;
@@ -58,12 +52,10 @@ class FeatureModelTracker final : public ModelTracker {
   TrackedPose track(const ColorFrame& frame, const std::shared_ptr<const Model>& model) override;
 
  private:
-  [[nodiscard]] AlignOptions wide() const;
-  [[nodiscard]] std::optional<Alignment> start(const Model& model, const Picture& picture);
   [[nodiscard]] std::optional<Alignment> go_on(const Model& model, const Picture& picture, double timestamp_s);
-  [[nodiscard]] std::optional<Alignment> recover(const Model& model, const Picture& picture, double timestamp_s);
-  [[nodiscard]] std::optional<Alignment> align_widely(const Model& model, const Picture& picture, const Pose& start,
-                                                      const FeatureSet& features);
+  [[nodiscard]] std::optional<Alignment> recover(const Model& model, const Picture& picture, double timestamp_s) const;
+  [[nodiscard]] std::optional<Alignment> found_from(const Model& model, const Picture& picture,
+                                                    const Pose& start) const;
   [[nodiscard]] TrackedPose accept(Alignment found, Picture picture, double timestamp_s, TrackState state);
   TrackedPose lose(double timestamp_s);
 
@@ -88,25 +80,13 @@ void FeatureModelTracker::start_at(const Pose& T_camera_world) {
   last_.T_camera_world = T_camera_world;
 }
 
-AlignOptions FeatureModelTracker::wide() const {
-  AlignOptions align_options;
-  align_options.first_search = wide_search();
-  align_options.repeat_above_px = 1;
-  align_options.max_rounds = 4;
-  align_options.rough_start = true;
-  align_options.min_inliers = options_.min_inliers;
-  return align_options;
-}
-
-std::optional<Alignment> FeatureModelTracker::align_widely(const Model& model, const Picture& picture,
-                                                           const Pose& start_pose, const FeatureSet& features) {
-  auto found = align(*renderer_, model, camera_, picture.contrast, start_pose, features, wide());
-  if (found && found->has_absolute() && found->agreeing_share() < kShareToStart) return std::nullopt;
+std::optional<Alignment> FeatureModelTracker::found_from(const Model& model, const Picture& picture,
+                                                         const Pose& start) const {
+  auto found = align_widely(*renderer_, model, camera_, picture, start);
+  const bool sure = found && found->inliers() >= options_.min_inliers && found->agreeing_share() >= kShareToStart &&
+                    is_certain(found->covariance);
+  if (!sure) return std::nullopt;
   return found;
-}
-
-std::optional<Alignment> FeatureModelTracker::start(const Model& model, const Picture& picture) {
-  return align_widely(model, picture, last_.T_camera_world, {});
 }
 
 std::optional<Alignment> FeatureModelTracker::go_on(const Model& model, const Picture& picture, double timestamp_s) {
@@ -117,30 +97,24 @@ std::optional<Alignment> FeatureModelTracker::go_on(const Model& model, const Pi
   const auto observations = observations_of(followed, 1);
   auto pose = refine_pose(observations, camera_, prediction, pose_options);
   if (!pose) pose = find_pose(observations, camera_, pose_options);
-  if (!pose) return align_widely(model, picture, prediction, {});
+  if (!pose) return found_from(model, picture, prediction);
 
-  AlignOptions align_options;
-  align_options.min_inliers = options_.min_inliers;
-  auto found = align(*renderer_, model, camera_, picture.contrast, pose->T_camera_world, followed, align_options);
+  auto found = align_closely(*renderer_, model, camera_, picture, pose->T_camera_world, followed);
   if (!found) return std::nullopt;
   doubtful_frames_ = found->agreeing_share() < kShareToGoOn ? doubtful_frames_ + 1 : 0;
   if (doubtful_frames_ > kMaxDoubtfulFrames) return std::nullopt;
   return found;
 }
 
-std::optional<Alignment> FeatureModelTracker::recover(const Model& model, const Picture& picture, double timestamp_s) {
-  const auto is_sure = [&](const std::optional<Alignment>& found) {
-    return found && found->pose.inliers >= options_.min_inliers && is_certain(found->pose.covariance);
-  };
-  if (auto found = align_widely(model, picture, last_.T_camera_world, {}); is_sure(found)) return found;
+std::optional<Alignment> FeatureModelTracker::recover(const Model& model, const Picture& picture,
+                                                      double timestamp_s) const {
+  if (auto found = found_from(model, picture, last_.T_camera_world)) return found;
   if (before_) {
-    const Pose prediction = predict(before_, last_, timestamp_s);
-    if (auto found = align_widely(model, picture, prediction, {}); is_sure(found)) return found;
+    if (auto found = found_from(model, picture, predict(before_, last_, timestamp_s))) return found;
   }
   for (const KnownView* view : known_views_.similar_to(picture.grey, kViewsToTry)) {
     const auto pose = pose_from_view(*view, picture.grey, camera_, options_.min_inliers);
-    const Pose& start_pose = pose ? pose->T_camera_world : view->T_camera_world;
-    if (auto found = align_widely(model, picture, start_pose, {}); is_sure(found)) return found;
+    if (auto found = found_from(model, picture, pose ? pose->T_camera_world : view->T_camera_world)) return found;
   }
   return std::nullopt;
 }
@@ -156,27 +130,19 @@ TrackedPose FeatureModelTracker::lose(double timestamp_s) {
 }
 
 TrackedPose FeatureModelTracker::accept(Alignment found, Picture picture, double timestamp_s, TrackState state) {
-  const Pose& T_camera_world = found.pose.T_camera_world;
+  const Pose T_camera_world = found.T_camera_world;
   TrackedPose result;
   result.timestamp_s = timestamp_s;
   result.state = state;
   result.T_camera_world = T_camera_world;
-  result.covariance = found.pose.covariance;
+  result.covariance = found.covariance;
   result.quality = found.agreeing_share();
-  result.inliers = found.pose.inliers;
+  result.inliers = found.inliers();
+  if (result.inliers < options_.min_inliers || !is_certain(result.covariance)) return lose(timestamp_s);
 
-  features_ = without_contradicting(std::move(found.features), found.view, picture.contrast, T_camera_world);
+  features_ = judged(std::move(found.features), camera_, T_camera_world);
   features_ = replenished(std::move(features_), picture.grey, picture.contrast, found.view, T_camera_world,
                           options_.max_features);
-  const bool blind_start = result.inliers == 0;
-  if (blind_start) {
-    // Nothing to align to: the given pose counts, and what can be followed from here on.
-    result.inliers = static_cast<int>(features_.size());
-    result.quality = 1;
-  }
-  if (result.inliers < options_.min_inliers || (!blind_start && !is_certain(result.covariance))) {
-    return lose(timestamp_s);
-  }
   if (mode_ == Mode::tracking) {
     before_ = last_;
   } else {
@@ -192,13 +158,11 @@ TrackedPose FeatureModelTracker::accept(Alignment found, Picture picture, double
 TrackedPose FeatureModelTracker::track(const ColorFrame& frame, const std::shared_ptr<const Model>& model) {
   const bool fits = frame.color.width() == camera_.width && frame.color.height() == camera_.height;
   if (!fits || !model || model->nodes.empty() || mode_ == Mode::idle) return lose(frame.timestamp_s);
-  Picture picture;
-  picture.grey = to_grey(frame.color);
-  picture.contrast = local_contrast(picture.grey, {}, {});
+  Picture picture{frame.color};
   std::optional<Alignment> found;
   TrackState state = TrackState::tracking;
   if (mode_ == Mode::starting) {
-    found = start(*model, picture);
+    found = found_from(*model, picture, last_.T_camera_world);
   } else if (mode_ == Mode::tracking) {
     found = go_on(*model, picture, frame.timestamp_s);
   } else {

@@ -56,10 +56,10 @@ RenderedView render_view(SceneRenderer& renderer, const Model& model, const Came
   view.camera = camera;
   view.T_camera_world = T_camera_world;
   view.depth = renderer.read_depth();
-  const GreyImage grey = to_grey(renderer.read_color(&view.colored));
+  view.grey = to_grey(renderer.read_color(&view.colored));
   const auto colored = std::count(view.colored.pixels().begin(), view.colored.pixels().end(), std::uint8_t{255});
-  view.colored_share = static_cast<double>(colored) / static_cast<double>(std::max<std::size_t>(1, grey.size()));
-  if (colored > 0) view.contrast = local_contrast(grey, view.colored, {});
+  view.colored_share = static_cast<double>(colored) / static_cast<double>(std::max<std::size_t>(1, view.grey.size()));
+  if (colored > 0) view.contrast = local_contrast(view.grey, view.colored, {});
   return view;
 }
 

@@ -16,7 +16,8 @@ struct RenderedView {
   Pose T_camera_world = Pose::Identity();
   /// Metres along the optical axis; 0 where no surface is.
   DepthImage depth;
-  /// Local contrast of the model's colours; 128 where it has none.
+  /// The model's colours as grey, and their local contrast (128 where it has none).
+  GreyImage grey;
   GreyImage contrast;
   /// 255 where a coloured surface is.
   GreyImage colored;
