@@ -8,6 +8,7 @@
 #include "common/features/robust_pose.h"
 #include "common/geometry/rig.h"
 #include "common/image/image.h"
+#include "server/track/depth_in_color.h"
 
 namespace meshloop {
 
@@ -15,9 +16,8 @@ class FeatureSet {
  public:
   explicit FeatureSet(const Rig& rig) : rig_{rig} {}
 
-  /// Observations in `image` of those features that could be followed there from the image they were last kept in,
-  /// their own noise and their depth's included. Changes nothing: keep() does.
-  /// `predicted`: T_color_world to start the search from.
+  /// Observations in `image` of those features that could be followed there from the reference image, their own noise
+  /// and their depth's included. `predicted`: T_color_world to start the search from.
   struct Sightings {
     std::vector<PointObservation> points;
     /// Positions of these in the set.
@@ -29,27 +29,33 @@ class FeatureSet {
   [[nodiscard]] PoseCovariance birth_covariance(const Sightings& sightings, const std::vector<bool>& inlier,
                                                 const Pose& T_color_world) const;
 
-  /// Makes `image` the one to follow from: keeps the sightings that fit the pose, drops all others.
-  void keep(const GreyImage& image, const Sightings& sightings, const Pose& T_color_world);
-  /// Adds corners where there is room and depth; they inherit the pose's covariance. `depth`: see depth_in_color.
-  void add(const DepthImage& depth, const Pose& T_color_world, const PoseCovariance& covariance);
+  /// Keeps the sightings that fit the pose and drops all others. True when `image` became the reference to follow from:
+  /// each change of it adds to the drift, so one serves for several frames.
+  [[nodiscard]] bool keep(const GreyImage& image, const Sightings& sightings, const Pose& T_color_world);
+  /// Adds corners of the reference where there is room and depth; they inherit the covariance of its pose.
+  void add(const DepthInColor& depth, const Pose& T_color_world, const PoseCovariance& covariance);
   void clear();
 
   [[nodiscard]] std::size_t size() const { return features_.size(); }
 
  private:
   struct Feature {
+    /// In the reference image.
     Eigen::Vector2d pixel;
     Eigen::Vector3d p_world;
     /// One standard deviation of the depth it was born with, along the ray of its birth.
     Eigen::Vector3d depth_sigma_world;
     PoseCovariance birth_covariance_world;
+    /// Changes of the reference since.
     int age = 0;
   };
   [[nodiscard]] double sigma_px(const Feature& feature, const Pose& T_color_world) const;
 
   Rig rig_;
+  /// The reference.
   GreyImage image_;
+  std::size_t at_reference_ = 0;
+  int frames_from_reference_ = 0;
   std::vector<Feature> features_;
 };
 

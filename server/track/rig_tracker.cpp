@@ -21,6 +21,8 @@ constexpr double kLeastAgreement = 0.4;
 constexpr double kLargestSpread_m = 0.03;
 constexpr double kLargestErrorPx = 3;
 constexpr int kFramesUntilForgotten = 10;
+// Neighbouring corners change their looks alike, so their errors are not independent: no more than this many count.
+constexpr double kIndependent = 50;
 // One marker alone is believed when the camera's place is this certain.
 constexpr double kCertain_m = 0.005;
 // Chi-square with 6 degrees of freedom, 99.9 %.
@@ -140,6 +142,7 @@ Estimate MarkerAndFeatureTracker::joint(const Estimate& markers, const std::vect
   Estimate both = to_estimate(*pose, points.size());
   std::vector<bool> inlier{pose->inlier.begin(),
                            pose->inlier.begin() + static_cast<std::ptrdiff_t>(features.points.size())};
+  both.covariance *= std::max(1.0, pose->inliers / kIndependent);
   both.covariance += features_.birth_covariance(features, inlier, both.T_color_world);
   if (both.covariance.trace() >= markers.covariance.trace()) return markers;
   const Twist apart = log(both.T_color_world * markers.T_color_world.inverse());
@@ -159,6 +162,7 @@ std::optional<Estimate> MarkerAndFeatureTracker::from_features(const FeatureSet:
   if (!pose || !enough(*pose)) pose = find_pose(sightings.points, rig_.color, options);
   if (!pose || !enough(*pose)) return std::nullopt;
   Estimate estimate = to_estimate(*pose, sightings.points.size());
+  estimate.covariance *= std::max(1.0, pose->inliers / kIndependent);
   estimate.covariance += features_.birth_covariance(sightings, pose->inlier, pose->T_camera_world);
   return estimate;
 }
@@ -176,9 +180,10 @@ Pose MarkerAndFeatureTracker::color_from_depth(const RgbdFrame& frame, const Pos
 
 TrackedPose MarkerAndFeatureTracker::found(const RgbdFrame& frame, const GreyImage& grey,
                                            const FeatureSet::Sightings& sightings, const Estimate& estimate) {
-  features_.keep(grey, sightings, estimate.T_color_world);
-  features_.add(depth_in_color(rig_, frame.depth, color_from_depth(frame, estimate.T_color_world)),
-                estimate.T_color_world, estimate.covariance);
+  if (features_.keep(grey, sightings, estimate.T_color_world)) {
+    features_.add(depth_in_color(rig_, frame.depth, color_from_depth(frame, estimate.T_color_world)),
+                  estimate.T_color_world, estimate.covariance);
+  }
   TrackedPose pose;
   pose.timestamp_s = frame.color_timestamp_s;
   pose.state = last_ && frames_lost_ == 0 ? TrackState::tracking : TrackState::relocalised;
