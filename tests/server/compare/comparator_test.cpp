@@ -1,51 +1,13 @@
-#include "server/compare/comparator.h"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "compare_scene.h"
+#include "comparator_fixture.h"
 
 namespace meshloop {
 namespace {
 
 using namespace compare_test;
-
-class ComparatorTest : public testing::Test {
- protected:
-  void SetUp() override {
-    auto context = GpuContext::create_headless();
-    ASSERT_TRUE(context) << context.error().message;
-    context_ = std::move(*context);
-    auto comparator = Comparator::create(*context_);
-    ASSERT_TRUE(comparator) << comparator.error().message;
-    comparator_ = std::move(*comparator);
-    input_.model = &model_;
-    input_.camera = camera_of(320, 240);
-    input_.pose = room_pose();
-    input_.measured = &measured_;
-  }
-  void look_at(const Model& real, unsigned seed) {
-    measured_ = measure(render_depth(real, input_.camera, input_.pose.T_camera_world), input_.sensor, seed);
-  }
-  Comparison on_cpu() const {
-    DepthImage depth;
-    Image<std::uint32_t> nodes;
-    render_on_cpu(model_, input_.camera, input_.pose.T_camera_world, depth, nodes);
-    return compare_on_cpu(input_, depth, nodes);
-  }
-  Comparison on_gpu() {
-    auto result = comparator_->compare(input_, nullptr);
-    EXPECT_TRUE(result) << (result ? "" : result.error().message);
-    return result ? std::move(*result) : Comparison{};
-  }
-
-  std::unique_ptr<GpuContext> context_;
-  std::unique_ptr<Comparator> comparator_;
-  Model model_ = room_model();
-  DepthImage measured_;
-  CompareInput input_;
-};
 
 // True where a pixel within `reach` shows another node, or none.
 bool is_near_edge(const Image<std::uint32_t>& nodes, int u, int v, int reach) {
@@ -246,61 +208,6 @@ TEST_F(ComparatorTest, TimesAreOfEachStep) {
   EXPECT_GT(times.render_ms, 0);
   EXPECT_GT(times.compare_ms, 0);
   EXPECT_GT(times.readback_ms, 0);
-}
-
-class ComparatorRefuses : public ComparatorTest {
- protected:
-  void SetUp() override {
-    ComparatorTest::SetUp();
-    look_at(model_, 1);
-  }
-  std::string refusal() {
-    const auto result = comparator_->compare(input_, nullptr);
-    return result ? "" : result.error().message;
-  }
-};
-
-TEST_F(ComparatorRefuses, DepthOfAnotherSize) {
-  measured_ = DepthImage(160, 120);
-  EXPECT_NE(refusal().find("160x120"), std::string::npos) << refusal();
-}
-
-TEST_F(ComparatorRefuses, PoseThatIsLost) {
-  input_.pose.state = TrackState::lost;
-  EXPECT_NE(refusal().find("lost"), std::string::npos);
-}
-
-TEST_F(ComparatorRefuses, PoseThatIsNotRigid) {
-  input_.pose.T_camera_world.linear() *= 1.1;
-  EXPECT_NE(refusal().find("rotation"), std::string::npos);
-  input_.pose.T_camera_world.linear().setConstant(std::numeric_limits<double>::quiet_NaN());
-  EXPECT_NE(refusal().find("rotation"), std::string::npos);
-}
-
-TEST_F(ComparatorRefuses, CovarianceThatIsNotANumber) {
-  input_.pose.covariance(3, 3) = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_NE(refusal().find("covariance"), std::string::npos);
-}
-
-TEST_F(ComparatorRefuses, ThresholdsThatAreNotAboveZero) {
-  for (const double value :
-       {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-    input_.threshold.value = value;
-    EXPECT_NE(refusal().find("threshold"), std::string::npos) << value;
-  }
-}
-
-TEST_F(ComparatorRefuses, CameraThatIsNotOne) {
-  input_.camera.fx = 0;
-  EXPECT_NE(refusal().find("camera"), std::string::npos);
-}
-
-TEST_F(ComparatorRefuses, MissingModelOrImage) {
-  input_.measured = nullptr;
-  EXPECT_FALSE(refusal().empty());
-  input_.measured = &measured_;
-  input_.model = nullptr;
-  EXPECT_FALSE(refusal().empty());
 }
 
 }  // namespace
