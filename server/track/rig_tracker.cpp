@@ -191,7 +191,12 @@ TrackedPose MarkerAndFeatureTracker::found(const RgbdFrame& frame, const GreyIma
   pose.covariance = estimate.covariance;
   pose.quality = estimate.quality;
   pose.inliers = estimate.inliers;
-  before_last_ = pose.state == TrackState::tracking ? last_ : std::nullopt;
+  // A colour image may come again with the next depth image: it says nothing about the velocity.
+  if (pose.state != TrackState::tracking) {
+    before_last_.reset();
+  } else if (pose.timestamp_s > last_->timestamp_s) {
+    before_last_ = last_;
+  }
   last_ = pose;
   frames_lost_ = 0;
   return pose;
