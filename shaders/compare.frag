@@ -10,8 +10,8 @@ const int kKinect1Khoshelham = 1;
 const int kTof = 2;
 
 const float kHalfPi = 1.57079632679;
-const float kSteepestSeen = 1.39626340160;  // 80 degrees
-const float kCosSteepest = 0.17364817767;
+const float kSensorLimit = 1.39626340160;      // 80 degrees: beyond, the sensor's noise is not known to grow
+const float kCosSteepest = 0.03489949670;      // 88 degrees
 const float kGrazing = 1.04719755120;  // 60 degrees
 
 layout(binding = 0) uniform highp sampler2D measured_image;
@@ -66,7 +66,7 @@ float pose_variance(vec3 a, vec3 p) {
 }
 
 float grazing_ratio(float theta) {
-  float t = min(theta, kSteepestSeen);
+  float t = min(theta, kSensorLimit);
   return t / (kHalfPi - t);
 }
 

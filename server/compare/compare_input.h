@@ -9,7 +9,7 @@ inline constexpr double kModelSigma_m = 0.00012;
 /// Nothing can be told where the threshold is larger (Threshold::Kind::k_sigma only).
 inline constexpr double kLargestThreshold_m = 0.25;
 /// Nor where the surface is seen at a steeper angle from its normal.
-inline constexpr double kSteepestSeen_deg = 80;
+inline constexpr double kSteepestSeen_deg = 88;
 /// Farther than this to each side no surface is looked for that could explain a measurement.
 inline constexpr int kLargestReach_px = 4;
 

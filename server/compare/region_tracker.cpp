@@ -194,4 +194,11 @@ void RegionTracker::reset() {
   known_.clear();
 }
 
+void settle_labels(Comparison& comparison, const RegionMap& regions) {
+  for (std::size_t i = 0; i < comparison.labels.size(); ++i) {
+    Label& label = comparison.labels.pixels()[i];
+    if (is_change(label) && regions.ids.pixels()[i] == 0) label = Label::undecided;
+  }
+}
+
 }  // namespace meshloop

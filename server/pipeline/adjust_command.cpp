@@ -127,9 +127,9 @@ Status adjust(const AdjustArguments& arguments) {
   if (!frames) return fail(frames.error());
   auto gpu = GpuContext::create_headless();
   if (!gpu) return fail(gpu.error());
-  RegionOptions regions;
-  regions.confirm_frames = 1;
-  auto examiner = Examiner::create(**gpu, frames->rig(), {.threshold = *threshold, .regions = regions});
+  ExaminerOptions options = ExaminerOptions::of(*threshold);
+  options.regions.confirm_frames = 1;
+  auto examiner = Examiner::create(**gpu, frames->rig(), options);
   if (!examiner) return fail(examiner.error());
 
   int read = 0;

@@ -204,7 +204,7 @@ Status detect(const DetectArguments& arguments) {
   if (!arguments.truth.empty()) run.score.emplace(frames->rig().sensor, 3.0);
   auto gpu = GpuContext::create_headless();
   if (!gpu) return fail(gpu.error());
-  auto examiner = Examiner::create(**gpu, frames->rig(), {.threshold = *threshold, .regions = {}});
+  auto examiner = Examiner::create(**gpu, frames->rig(), ExaminerOptions::of(*threshold));
   if (!examiner) return fail(examiner.error());
   if (auto done = process(run, *model, *frames, *examiner); !done) return done;
   report(run);

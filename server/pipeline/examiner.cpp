@@ -31,6 +31,7 @@ Result<Examination> Examiner::examine(const TrackedFrame& frame, const Model& mo
   const Stopwatch regions;
   examination.regions =
       regions_.update(examination.comparison, frame.frame.depth, rig_.depth, frame.depth_pose.T_camera_world);
+  settle_labels(examination.comparison, examination.regions);
   examination.regions_ms = regions.milliseconds();
   examination.total_ms = total.milliseconds();
   return examination;

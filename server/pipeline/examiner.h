@@ -19,6 +19,13 @@ struct Examination {
 struct ExaminerOptions {
   Threshold threshold;
   RegionOptions regions;
+
+  /// The regions' significance counts in the threshold's own sigmas.
+  static ExaminerOptions of(const Threshold& threshold) {
+    ExaminerOptions options{threshold, {}};
+    if (threshold.kind == Threshold::Kind::k_sigma) options.regions.sigmas_per_threshold = threshold.value;
+    return options;
+  }
 };
 
 /// One thread, that of the context.

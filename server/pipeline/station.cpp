@@ -38,7 +38,7 @@ Result<std::unique_ptr<Station>> Station::create(const StationOptions& options, 
   }
   auto gpu = GpuContext::create_headless();
   if (!gpu) return fail(gpu.error());
-  auto examiner = Examiner::create(**gpu, rig, {.threshold = options.threshold, .regions = {}});
+  auto examiner = Examiner::create(**gpu, rig, ExaminerOptions::of(options.threshold));
   if (!examiner) return fail(examiner.error());
   auto store = SceneStore::open(options.scene, false);
   if (!store) return fail(store.error());

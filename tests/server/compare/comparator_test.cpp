@@ -142,16 +142,16 @@ TEST_F(ComparatorTest, SurfaceSeenAlmostFromTheSideIsUndecided) {
   input_.sensor = *SensorModel::constant(0.0005);
   input_.pose.covariance.setZero();
   input_.pose.T_camera_world = Pose::Identity();
-  // A floor 10 cm below the camera: seen at 80 degrees at 0.57 m.
+  // A floor 10 cm below the camera: seen at 88 degrees at 2.9 m.
   model_.nodes.clear();
-  add(model_, quad({-3, 0.1F, 0.2F}, {3, 0.1F, 0.2F}, {3, 0.1F, 4}, {-3, 0.1F, 4}), Pose::Identity());
+  add(model_, quad({-9, 0.1F, 0.2F}, {9, 0.1F, 0.2F}, {9, 0.1F, 12}, {-9, 0.1F, 12}), Pose::Identity());
   measured_ = render_depth(model_, input_.camera, Pose::Identity());
   const auto result = on_gpu();
-  const double row_at_80 = input_.camera.cy + input_.camera.fy * std::tan(10 * std::numbers::pi / 180);
+  const double row_at_88 = input_.camera.cy + input_.camera.fy * std::tan(2 * std::numbers::pi / 180);
   for (int v = 0; v < 240; ++v) {
     const int u = static_cast<int>(std::lround(input_.camera.cx));
-    if (result.expected(u, v) == 0 || std::abs(v - row_at_80) < 2) continue;
-    ASSERT_EQ(result.labels(u, v), v > row_at_80 ? Label::agrees : Label::undecided) << v;
+    if (result.expected(u, v) == 0 || std::abs(v - row_at_88) < 2) continue;
+    ASSERT_EQ(result.labels(u, v), v > row_at_88 ? Label::agrees : Label::undecided) << v;
   }
   EXPECT_GT(result.counts()[static_cast<std::size_t>(Label::undecided)], 1000U);
 }
