@@ -1,7 +1,9 @@
+// Rooms: common/recording common/image
 // Files that people write or that come from elsewhere. The first byte chooses the reader, the rest is the file.
 #include <stdlib.h>
 
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <span>
 #include <string>
