@@ -151,6 +151,9 @@ class AssimpLog {
 std::string plain_words(const std::string& message) {
   if (message.find("No meshes remaining") != std::string::npos) return "it holds no triangles";
   if (message.find("No suitable reader") != std::string::npos) return "its content is not what its ending says";
+  if (message.find("Invalid accessor without data") != std::string::npos) {
+    return "a mesh in it has no data, or is compressed with Draco; export it without compression";
+  }
   return message;
 }
 

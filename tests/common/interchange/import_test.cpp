@@ -94,6 +94,15 @@ TEST_F(Import, RefusesIndicesOutOfRange) {
             std::string::npos);
 }
 
+TEST_F(Import, RefusesIndicesOutOfRangeInAGlb) {
+  Model model;
+  model.nodes.push_back(make_node(1, "wall", test::grid(2)));
+  auto bytes = to_glb(model).value();
+  bytes.back() = std::byte{0x7f};  // the highest byte of the last index
+  write("a.glb", {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  EXPECT_NE(refusal(path("a.glb")).find("could not be read"), std::string::npos) << refusal(path("a.glb"));
+}
+
 TEST_F(Import, RefusesPositionsThatAreNotFiniteOrFarAway) {
   EXPECT_NE(refusal(write("nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")).find("could not be read"),
             std::string::npos);
