@@ -136,15 +136,19 @@ ExactDepth cast_depth(const Scene& scene, const Camera& camera, const Pose& T_ca
   ExactDepth exact{DepthImage{camera.width, camera.height}, Image<std::uint16_t>{camera.width, camera.height},
                    Image<float>{camera.width, camera.height}};
   const ViewCast view(scene, camera, T_camera_world, modelled_only);
+  std::vector<Eigen::Matrix3d> R_camera_solid;
+  for (const Solid& solid : scene.solids) {
+    R_camera_solid.emplace_back(T_camera_world.linear() * solid.T_world_solid.linear());
+  }
   for_each_pixel(view, camera, threads_for(threads), [&](int tile_column, int tile_row, int u, int v) {
     const Hit hit = view.cast(tile_column, tile_row, u, v);
     if (hit.solid < 0) return;
-    const Solid& solid = scene.solids[static_cast<std::size_t>(hit.solid)];
-    const Eigen::Matrix3d R_camera_solid = T_camera_world.linear() * solid.T_world_solid.linear();
-    const Eigen::Vector3d normal = R_camera_solid * normal_of_face(hit.face, hit.p_solid);
+    const Eigen::Vector3d normal =
+        R_camera_solid[static_cast<std::size_t>(hit.solid)] * normal_of_face(hit.face, hit.p_solid);
+    const Eigen::Vector3d ray = view.ray(u, v);
     exact.depth(u, v) = static_cast<float>(hit.depth_m);
     exact.solid(u, v) = static_cast<std::uint16_t>(hit.solid + 1);
-    exact.cos_theta(u, v) = static_cast<float>(std::abs(normal.dot(view.ray(u, v).normalized())));
+    exact.cos_theta(u, v) = static_cast<float>(std::abs(normal.dot(ray)) / ray.norm());
   });
   return exact;
 }

@@ -19,7 +19,8 @@ constexpr double kLamp = 0.58;
 constexpr double kFill = 0.24;
 
 int cell_of(double coordinate_m) {
-  return std::clamp(static_cast<int>(std::floor(coordinate_m / kCell_m)) + kCells / 2, 0, kCells - 1);
+  // Truncation is as good as rounding down here: what would differ is clamped.
+  return std::clamp(static_cast<int>(coordinate_m * (1 / kCell_m) + kCells / 2), 0, kCells - 1);
 }
 
 }  // namespace

@@ -21,18 +21,17 @@ struct Crossing {
 };
 
 inline void cut_slab(Crossing& crossing, double origin, double direction, double half, int axis) {
-  if (direction == 0) {
-    if (std::abs(origin) > half) crossing.t_out = -std::numeric_limits<double>::infinity();
-    return;
-  }
+  // A direction of 0 gives infinities of the right signs, or NaN on the very face, which the comparisons pass over.
   const double inverse = 1 / direction;
-  const double t_first = (-std::copysign(half, direction) - origin) * inverse;
-  const double t_second = (std::copysign(half, direction) - origin) * inverse;
+  const bool backwards = std::signbit(direction);
+  const double towards = backwards ? half : -half;
+  const double t_first = (towards - origin) * inverse;
+  const double t_second = (-towards - origin) * inverse;
   if (t_first > crossing.t_in) {
     crossing.t_in = t_first;
-    crossing.face = 2 * axis + (direction < 0 ? 1 : 0);
+    crossing.face = 2 * axis + (backwards ? 1 : 0);
   }
-  crossing.t_out = std::min(crossing.t_out, t_second);
+  if (t_second < crossing.t_out) crossing.t_out = t_second;
 }
 
 inline void cut_mantle(Crossing& crossing, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
@@ -60,11 +59,13 @@ inline void cut_mantle(Crossing& crossing, const Eigen::Vector3d& origin, const 
                                           const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
   Crossing crossing;
   cut_slab(crossing, origin.z(), direction.z(), half.z(), 2);
+  if (!crossing.hit()) return crossing;
   if (shape == Solid::Shape::cylinder) {
     cut_mantle(crossing, origin, direction, half.x());
     return crossing;
   }
   cut_slab(crossing, origin.x(), direction.x(), half.x(), 0);
+  if (!crossing.hit()) return crossing;
   cut_slab(crossing, origin.y(), direction.y(), half.y(), 1);
   return crossing;
 }

@@ -82,20 +82,24 @@ Hit ViewCast::cast(int tile_column, int tile_row, double u, double v) const {
   const auto tile = static_cast<std::size_t>(tile_row * tile_columns_ + tile_column);
   const Eigen::Vector3d direction = ray(u, v);
   const Seen* nearest = nullptr;
+  Eigen::Vector3d nearest_direction;
   Hit hit;
   hit.depth_m = std::numeric_limits<double>::infinity();
   for (auto i = first_[tile]; i < first_[tile + 1]; ++i) {
     const Seen& seen = seen_[candidates_[i]];
     if (seen.nearest_m >= hit.depth_m) break;
-    const Crossing crossing = cross_solid(seen.shape, seen.half, seen.origin_solid, seen.R_solid_camera * direction);
+    if (u < seen.u_min || u > seen.u_max || v < seen.v_min || v > seen.v_max) continue;
+    const Eigen::Vector3d direction_solid = seen.R_solid_camera * direction;
+    const Crossing crossing = cross_solid(seen.shape, seen.half, seen.origin_solid, direction_solid);
     if (!crossing.hit() || crossing.t_in <= 0 || crossing.t_in >= hit.depth_m) continue;
     hit.depth_m = crossing.t_in;
     hit.face = crossing.face;
     nearest = &seen;
+    nearest_direction = direction_solid;
   }
   if (nearest == nullptr) return {};
   hit.solid = nearest->index;
-  hit.p_solid = nearest->origin_solid + hit.depth_m * (nearest->R_solid_camera * direction);
+  hit.p_solid = nearest->origin_solid + hit.depth_m * nearest_direction;
   return hit;
 }
 

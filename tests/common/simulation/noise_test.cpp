@@ -10,14 +10,15 @@ namespace meshloop::simulation {
 namespace {
 
 const Camera kCamera{320, 240, 290, 290, 159.5, 119.5, {}};
+const Camera kSmallCamera{160, 120, 145, 145, 79.5, 59.5, {}};
 const SensorModel kKinect{SensorModel::Kind::kinect1};
 const SensorModel kKhoshelham{SensorModel::Kind::kinect1_khoshelham};
 const SensorModel kTof{SensorModel::Kind::tof};
 
-ExactDepth flat(double z, double theta) {
-  return {DepthImage(kCamera.width, kCamera.height, static_cast<float>(z)),
-          Image<std::uint16_t>(kCamera.width, kCamera.height, 1),
-          Image<float>(kCamera.width, kCamera.height, static_cast<float>(std::cos(theta)))};
+ExactDepth flat(double z, double theta, const Camera& camera = kCamera) {
+  return {DepthImage(camera.width, camera.height, static_cast<float>(z)),
+          Image<std::uint16_t>(camera.width, camera.height, 1),
+          Image<float>(camera.width, camera.height, static_cast<float>(std::cos(theta)))};
 }
 
 struct Statistics {
@@ -47,8 +48,8 @@ void expect_sigma_of_model(const SensorModel& sensor, double z, double theta) {
   double mean = 0;
   for (int i = 0; i < kDepths; ++i) {
     const double depth = z * (1 + 0.002 * i);
-    const auto seen =
-        statistics(measure(flat(depth, theta), kCamera, sensor, {1, static_cast<std::uint64_t>(i) + 5}), depth);
+    const auto seen = statistics(
+        measure(flat(depth, theta, kSmallCamera), kSmallCamera, sensor, {1, static_cast<std::uint64_t>(i) + 5}), depth);
     variance += seen.sigma * seen.sigma / kDepths;
     mean += seen.mean / kDepths;
     EXPECT_LT(seen.missing, 1e-3);
