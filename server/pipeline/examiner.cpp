@@ -1,10 +1,37 @@
 #include "server/pipeline/examiner.h"
 
+#include <algorithm>
+#include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "common/base/clock.h"
 
 namespace meshloop {
+namespace {
+
+/// Whether each region id of a map is a confirmed removal.
+std::vector<bool> confirmed_removals(const RegionMap& map) {
+  std::vector<bool> removal(1, false);
+  for (const auto& region : map.regions) {
+    removal.resize(std::max<std::size_t>(removal.size(), region.id + 1), false);
+    removal[region.id] = region.confirmed && region.kind == ChangeKind::removal;
+  }
+  return removal;
+}
+
+void keep_confirmed_inside(const RegionMap& removed, RegionMap& behind) {
+  const auto was_removed = confirmed_removals(removed);
+  std::unordered_map<RegionId, int> inside;
+  for (std::size_t i = 0; i < behind.ids.size(); ++i) {
+    const RegionId before = removed.ids.pixels()[i];
+    if (behind.ids.pixels()[i] != 0 && before < was_removed.size() && was_removed[before])
+      ++inside[behind.ids.pixels()[i]];
+  }
+  for (auto& region : behind.regions) region.confirmed = region.confirmed && 2 * inside[region.id] > region.pixels;
+}
+
+}  // namespace
 
 Examiner::Examiner(std::unique_ptr<Comparator> comparator, Rig rig, const ExaminerOptions& options)
     : comparator_{std::move(comparator)}, rig_{std::move(rig)}, options_{options}, regions_{options.regions} {}
@@ -16,6 +43,19 @@ Result<Examiner> Examiner::create(GpuContext& gpu, const Rig& rig, const Examine
 }
 
 Result<Examination> Examiner::examine(const TrackedFrame& frame, const Model& model) {
+  return examine(frame, model, regions_);
+}
+
+Result<Examination> Examiner::examine_behind(const TrackedFrame& frame, const Model& model, const RegionMap& removed) {
+  RegionOptions options = options_.regions;
+  options.confirm_frames = 1;
+  RegionTracker regions{options};
+  auto examination = examine(frame, model, regions);
+  if (examination) keep_confirmed_inside(removed, examination->regions);
+  return examination;
+}
+
+Result<Examination> Examiner::examine(const TrackedFrame& frame, const Model& model, RegionTracker& regions) {
   const Stopwatch total;
   Examination examination;
   const CompareInput input{.model = &model,
@@ -28,11 +68,11 @@ Result<Examination> Examiner::examine(const TrackedFrame& frame, const Model& mo
   if (!comparison) return fail(comparison.error());
   examination.comparison = std::move(*comparison);
 
-  const Stopwatch regions;
+  const Stopwatch regions_watch;
   examination.regions =
-      regions_.update(examination.comparison, frame.frame.depth, rig_.depth, frame.depth_pose.T_camera_world);
+      regions.update(examination.comparison, frame.frame.depth, rig_.depth, frame.depth_pose.T_camera_world);
   settle_labels(examination.comparison, examination.regions);
-  examination.regions_ms = regions.milliseconds();
+  examination.regions_ms = regions_watch.milliseconds();
   examination.total_ms = total.milliseconds();
   return examination;
 }

@@ -53,7 +53,7 @@ Status scene_import(const SceneArguments& arguments) {
   NodeId id = (*store)->next_node_id();
   for (auto& node : imported->nodes) {
     node.id = id++;
-    edits.emplace_back(AddNode{std::move(node)});
+    edits.emplace_back(AddNode{node});
   }
   RevisionInfo info;
   info.accepted_ns = wall_clock_ns();

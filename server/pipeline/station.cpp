@@ -102,22 +102,35 @@ Status Station::accept(const TrackedFrame& tracked, const Examination& examinati
   auto acceptance = accept_changes(*parts_->store, proposals, "automatic", picture);
   if (!acceptance) return fail("accepting", acceptance.error());
   if (auto done = publish(acceptance->model, acceptance->info.accepted_ns); !done) return done;
+  tell_revision(tracked, *acceptance, snapshot_ms);
+  parts_->examiner.model_changed();
+  parts_->after_is_due = true;
+  if (auto done = write_picture("before", tracked, examination); !done) return done;
+  return acceptance->info.triangles_removed > 0 ? accept_behind(tracked, examination) : Status{};
+}
+
+Status Station::accept_behind(const TrackedFrame& tracked, const Examination& examination) {
+  auto behind = parts_->examiner.examine_behind(tracked, *parts_->store->model(), examination.regions);
+  if (!behind) return fail(fmt::format("frame {}", tracked.frame.index), behind.error());
+  auto& regions = behind->regions.regions;
+  for (auto& region : regions) region.confirmed = region.confirmed && region.kind == ChangeKind::insertion;
+  return accept(tracked, *behind);  // inserts only, hence ends here
+}
+
+void Station::tell_revision(const TrackedFrame& tracked, const Acceptance& acceptance, double snapshot_ms) const {
   const auto& report = parts_->last_publish;
   tell({{"event", "revision"},
-        {"revision", acceptance->info.revision},
+        {"revision", acceptance.info.revision},
         {"frame", tracked.frame.index},
-        {"accepted_ns", acceptance->info.accepted_ns},
-        {"triangles_added", acceptance->info.triangles_added},
-        {"triangles_removed", acceptance->info.triangles_removed},
-        {"triangles", acceptance->model->triangle_count()},
+        {"accepted_ns", acceptance.info.accepted_ns},
+        {"triangles_added", acceptance.info.triangles_added},
+        {"triangles_removed", acceptance.info.triangles_removed},
+        {"triangles", acceptance.model->triangle_count()},
         {"bytes", report.bytes},
         {"raw_bytes", report.raw_bytes},
         {"devices", parts_->publisher.readers()},
-        {"summary", acceptance->info.summary},
-        {"time_ms", {{"snapshot", snapshot_ms}, {"commit", acceptance->commit_ms}, {"encode", report.encode_ms}}}});
-  parts_->examiner.model_changed();
-  parts_->after_is_due = true;
-  return write_picture("before", tracked, examination);
+        {"summary", acceptance.info.summary},
+        {"time_ms", {{"snapshot", snapshot_ms}, {"commit", acceptance.commit_ms}, {"encode", report.encode_ms}}}});
 }
 
 Status Station::handle(const TrackedFrame& tracked) {

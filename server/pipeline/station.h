@@ -42,6 +42,9 @@ class Station {
   explicit Station(std::unique_ptr<Parts> parts);
   Status handle(const TrackedFrame& tracked);
   Status accept(const TrackedFrame& tracked, const Examination& examination);
+  /// What stands where a surface was just removed: a box that moved back is there in the same snapshot.
+  Status accept_behind(const TrackedFrame& tracked, const Examination& examination);
+  void tell_revision(const TrackedFrame& tracked, const Acceptance& acceptance, double snapshot_ms) const;
   Status publish(const std::shared_ptr<const Model>& model, std::int64_t accepted_ns);
   Status write_picture(const char* when, const TrackedFrame& tracked, const Examination& examination);
   void serve() const;

@@ -173,7 +173,8 @@ TEST(Insertion, ColorsComeFromTheColorCamera) {
   std::size_t right = 0;
   for (std::size_t i = 0; i < patch.colors.size(); ++i) {
     const Rgb8 true_color = options.paint(patch.positions[i].cast<double>());
-    right += std::abs(patch.colors[i].r - true_color.r) <= 3 && std::abs(patch.colors[i].g - true_color.g) <= 3;
+    // 3 for the position of the vertex in the pixel, 2 for the rounding of colours to 4 levels.
+    right += std::abs(patch.colors[i].r - true_color.r) <= 5 && std::abs(patch.colors[i].g - true_color.g) <= 5;
   }
   // A pixel at the silhouette may mix object and wall.
   EXPECT_GT(static_cast<double>(right), 0.97 * static_cast<double>(patch.colors.size()));
