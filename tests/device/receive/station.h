@@ -33,7 +33,10 @@ inline Submesh patch(std::uint32_t n, unsigned shape) {
       const float wave = 400.0f * std::sin(0.05f * fx + static_cast<float>(shape)) * std::cos(0.07f * fy);
       // Zero has one sign on the lattice.
       const float height = std::round(wave) + static_cast<float>(noise(12)) + 0.0f;
-      mesh.positions.emplace_back(Eigen::Vector3f{12.0f * fx, 12.0f * fy, height} * kLatticeSpacing_m);
+      const auto jitter_x = static_cast<float>(noise(6));
+      const auto jitter_y = static_cast<float>(noise(6));
+      mesh.positions.emplace_back(Eigen::Vector3f{12.0f * fx + jitter_x, 12.0f * fy + jitter_y, height} *
+                                  kLatticeSpacing_m);
       const auto grey = static_cast<std::uint8_t>(100 + x % 100 + noise(8));
       mesh.colors.push_back({grey, static_cast<std::uint8_t>(grey + noise(3)), 90});
     }
