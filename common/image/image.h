@@ -24,7 +24,9 @@ class ImageView {
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   [[nodiscard]] bool empty() const { return width_ == 0 || height_ == 0; }
-  [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_); }
+  [[nodiscard]] std::size_t size() const {
+    return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+  }
   [[nodiscard]] T* data() const { return pixels_; }
   [[nodiscard]] std::span<T> pixels() const { return {pixels_, size()}; }
   [[nodiscard]] T& operator()(int x, int y) const {
