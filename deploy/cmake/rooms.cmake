@@ -46,7 +46,7 @@ function(meshloop_precompile target opencv)
     set(kind eigen)
   endif()
   if(NOT TARGET precompiled_${kind})
-    file(WRITE ${PROJECT_BINARY_DIR}/precompiled/${kind}.cpp "")
+    file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled/${kind}.cpp CONTENT "// Holds the precompiled headers.\n")
     add_library(precompiled_${kind} STATIC ${PROJECT_BINARY_DIR}/precompiled/${kind}.cpp)
     target_link_libraries(precompiled_${kind} PRIVATE meshloop_settings Eigen3::Eigen tl::expected fmt::fmt)
     target_precompile_headers(precompiled_${kind} PRIVATE

@@ -35,10 +35,10 @@ make_simulated_data() {
 make_real_data() {
   say "converting the real sequence"
   python3 "$here/convert_castel.py" /usr/share/visp-images-data/ViSP-images/mbt-depth/castel "$out/data"
-  model=$out/data/model.obj station=$out/data/station device_first=$station device_last=$station
+  model=$out/data/model.obj station=$out/data device_first=$station device_last=$station
   start=(--init "pose:$(cat "$out/data/start_pose.txt")")
   device_start=pose:$(cat "$out/data/start_pose.txt")
-  object=(--object-at 0.02,0.08,0.09 --object-height 0.05)
+  object=(--object-at=-0.042,0.081,-0.065 --object-up 0,1,0 --object-height 0.07)
 }
 
 # wait_for SECONDS PATTERN FILE PID: until FILE has a line with PATTERN; fails when the process ends before.

@@ -9,6 +9,10 @@ void ObjectArguments::add_to(CLI::App& command) {
       ->delimiter(',')
       ->expected(3)
       ->capture_default_str();
+  command.add_option("--object-up", up, "the world's direction in which it stands")
+      ->delimiter(',')
+      ->expected(3)
+      ->capture_default_str();
   command.add_option("--object-height", height_m, "its height in metres")
       ->check(CLI::Range(0.001, 10.0))
       ->capture_default_str();
@@ -17,6 +21,11 @@ void ObjectArguments::add_to(CLI::App& command) {
 VirtualObject ObjectArguments::make() const {
   VirtualObject standing;
   standing.submesh = std::make_shared<const Submesh>(make_lighthouse(height_m));
+  const Eigen::Vector3d direction{up[0], up[1], up[2]};
+  if (direction.norm() > 0) {
+    standing.T_world_object.linear() =
+        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), direction).toRotationMatrix();
+  }
   standing.T_world_object.translation() = Eigen::Vector3d{position[0], position[1], position[2]};
   return standing;
 }

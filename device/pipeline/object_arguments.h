@@ -6,9 +6,10 @@
 
 namespace meshloop {
 
-/// `--object-at X,Y,Z --object-height M`: the virtual object.
+/// `--object-at X,Y,Z --object-up X,Y,Z --object-height M`: the virtual object.
 struct ObjectArguments {
   std::vector<double> position{0, 0, 0};
+  std::vector<double> up{0, 0, 1};
   double height_m = 0.18;
 
   void add_to(CLI::App& command);
