@@ -1,4 +1,5 @@
 // A device's assembler against whatever a station could send: manifests and payloads made of the fuzzer's bytes.
+// Rooms: device/receive common/codec
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
