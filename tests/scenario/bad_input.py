@@ -1,0 +1,114 @@
+"""Bad input of every kind: one clear sentence, the exit code of the design (1 failed, 2 wrong usage), never a crash."""
+import pathlib
+import shutil
+
+import programs
+
+STATION, DEVICE = programs.STATION, programs.DEVICE
+
+
+def refused(what, code, *command, says=None):
+    result = programs.run(*command, timeout=200)
+    lines = [line for line in result.stderr.splitlines() if line.strip() and "warning:" not in line]
+    words = " / ".join(lines)[:300]
+    good = result.returncode == code and len(lines) == 1 and "anitizer" not in result.stderr
+    if says and says not in result.stderr:
+        good = False
+    programs.check(good, f"{what}: exit {result.returncode} (want {code}): {words}")
+
+
+folder, path = programs.work_folder()
+made = programs.run(STATION, "simulate", "--out", path / "data", "--noise", 0, "--station-frames", 12, "--device-frames", 2, timeout=400)
+programs.check(made.returncode == 0, "simulated data " + made.stderr)
+data = path / "data"
+model, station = data / "model.ply", data / "station"
+
+
+def detect(*more, the_model=model, recording=station, frames="0"):
+    return (STATION, "detect", "--model", the_model, "--recording", recording, "--frames", frames, "--out", path / "out", *more)
+
+
+good = programs.run(*detect(), timeout=200)
+programs.check(good.returncode == 0, "the same command with good input works: " + good.stderr)
+
+
+def write(name, content):
+    file = path / name
+    file.parent.mkdir(exist_ok=True)
+    file.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return file
+
+
+def damaged_recording(name, file, content):
+    copy = path / name
+    shutil.copytree(station, copy)
+    (copy / file).write_bytes(content if isinstance(content, bytes) else content.encode())
+    return copy
+
+
+print("-- usage")
+refused("no subcommand", 2, STATION)
+refused("unknown option", 2, STATION, "detect", "--nonsense")
+refused("unknown threshold", 2, *detect("--threshold", "2 apples"))
+refused("negative threshold", 2, *detect("--threshold=-0.1"))
+refused("frames that are no list", 2, *detect(frames="a-b"))
+refused("a frame past the end", 2, *detect(frames="5000"), says="5000")
+refused("a pose that is not a number", 2, *detect("--init", "pose:nan,0,0,0,0,0,1"))
+refused("a pose with six numbers", 2, *detect("--init", "pose:0,0,0,0,0,1"))
+refused("an unknown source", 2, STATION, "run", "--scene", path / "x.db", "--source", "webcam:0")
+refused("an unknown display", 2, DEVICE, "run", "--scene", "s", "--camera", f"recording:{data / 'device_after_move'}",
+        "--display", "hologram", "--init", "pose:0,0,0,0,0,0,1")
+refused("an unknown camera", 2, DEVICE, "run", "--scene", "s", "--camera", "pinhole", "--display", f"offscreen:{path / 'v'}",
+        "--init", "pose:0,0,0,0,0,0,1")
+
+print("-- models")
+refused("no such model", 1, *detect(the_model=path / "none.ply"), says="none.ply")
+refused("a model with no triangles", 1, *detect(the_model=write("points.obj", "v 0 0 0\nv 1 0 0\n")))
+refused("indices out of range", 1, *detect(the_model=write("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")))
+refused("an empty model file", 1, *detect(the_model=write("empty.ply", b"")))
+refused("half a model file", 1, *detect(the_model=write("half.ply", model.read_bytes()[: model.stat().st_size // 2])))
+refused("a model of no known kind", 1, *detect(the_model=write("model.xyz", "1 2 3")))
+refused("a folder as model", 1, *detect(the_model=data))
+refused("the device's model", 1, DEVICE, "track", "--model", path / "none.ply", "--recording", data / "device_after_move",
+        "--init", "pose:0,0,0,0,0,0,1", "--out", path / "p.txt")
+
+print("-- recordings")
+refused("no such recording", 1, *detect(recording=path / "none"), says="none")
+rig = (station / "rig.yaml").read_text()
+refused("a rig with a NaN", 1, *detect(recording=damaged_recording("nan", "rig.yaml", rig.replace("fx: 525", "fx: .nan"))), says="rig.yaml")
+refused("a rig without depth", 1, *detect(recording=damaged_recording("nodepth", "rig.yaml", rig.split("depth:")[0])), says="rig.yaml")
+refused("depth of another resolution", 1,
+        *detect(recording=damaged_recording("size", "rig.yaml", rig.replace("depth: {width: 640, height: 480", "depth: {width: 320, height: 240"))),
+        says="640x480")
+refused("poses that are not numbers", 1, *detect("--poses", write("nan.txt", "1.0 nan 0 0 0 0 0 1\n")), says="nan.txt")
+refused("no such poses", 1, *detect("--poses", path / "none.txt"), says="none.txt")
+refused("markers that are none", 1, *detect("--markers", write("markers.yaml", "dictionary: NO\nmarkers: 7\n")), says="markers.yaml")
+first = next((station / "depth").glob("*.png")).name
+cut = damaged_recording("cut", f"depth/{first}", (station / "depth" / first).read_bytes()[:2000])
+result = programs.run(*detect(frames="0-2", recording=cut), timeout=200)
+programs.check(result.returncode in (0, 1) and first in result.stderr and "anitizer" not in result.stderr,
+               f"a truncated PNG is named and the rest goes on: exit {result.returncode}: {result.stderr.strip()[:200]}")
+
+print("-- scene files")
+scene = path / "scene.db"
+imported = programs.run(STATION, "scene", "import", "--scene", scene, model, timeout=200)
+programs.check(imported.returncode == 0, "a scene is made: " + imported.stderr)
+content = bytearray(scene.read_bytes())
+refused("no such scene", 1, STATION, "scene", "info", "--scene", path / "none.db", says="none.db")
+refused("not a scene", 1, STATION, "scene", "info", "--scene", write("text.db", "hello " * 1000))
+refused("half a scene", 1, STATION, "scene", "info", "--scene", write("half.db", bytes(content[: len(content) // 2])))
+for offset in range(100, len(content), max(1, len(content) // 40)):
+    content[offset] ^= 0x5A
+refused("a scene with flipped bytes", 1, STATION, "scene", "info", "--scene", write("flipped.db", bytes(content)))
+refused("nothing to undo to", 1, STATION, "scene", "redo", "--scene", scene)
+refused("an export of no known kind", 1, STATION, "scene", "export", "--scene", scene, path / "out.xyz")
+refused("an export into nowhere", 1, STATION, "scene", "export", "--scene", scene, path / "no" / "such" / "folder.glb")
+refused("an export of no such revision", 1, STATION, "scene", "export", "--revision", 99, "--scene", scene, path / "o.glb")
+
+print("-- folders")
+blocked = write("blocked", "a file")
+refused("an output folder that is a file", 1, STATION, "detect", "--model", model, "--recording", station, "--frames", "0",
+        "--out", blocked)
+refused("a file where views should go", 1, DEVICE, "run", "--scene", "s", "--camera",
+        f"recording:{data / 'device_after_move'}", "--display", f"offscreen:{blocked}", "--init", "pose:0,0,0,0,0,0,1")
+programs.end()
