@@ -1,0 +1,66 @@
+#include "common/program/arguments.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/program/program.h"
+#include "common/program/spread.h"
+
+namespace meshloop {
+namespace {
+
+TEST(FrameList, ReadsNumbersAndRangesInOrderAndOnce) {
+  const auto frames = parse_frame_list("5,0,2-4,3");
+  ASSERT_TRUE(frames);
+  EXPECT_THAT(*frames, testing::ElementsAre(0, 2, 3, 4, 5));
+}
+
+TEST(FrameList, RefusesWhatIsNoList) {
+  for (const char* text : {"", "a", "1-", "-1", "4-2", "1,,2", "1.5", "9999999", "1 2"}) {
+    const auto frames = parse_frame_list(text);
+    ASSERT_FALSE(frames) << text;
+    EXPECT_EQ(frames.error().kind, ErrorKind::usage);
+  }
+}
+
+TEST(SplitKind, SplitsAtTheFirstColon) {
+  EXPECT_EQ(split_kind("recording:/a:b").kind, "recording");
+  EXPECT_EQ(split_kind("recording:/a:b").rest, "/a:b");
+  EXPECT_EQ(split_kind("none").rest, "");
+}
+
+TEST(Spread, IsTheMiddleAndTheSlowest) {
+  EXPECT_FALSE(spread_of({}));
+  const auto spread = spread_of({5, 1, 3, 2, 4});
+  ASSERT_TRUE(spread);
+  EXPECT_EQ(spread->median, 3);
+  EXPECT_EQ(spread->p95, 5);
+}
+
+int run(std::vector<std::string> words, const Action& action) {
+  CLI::App app{"", "test"};
+  prepare(app);
+  app.add_subcommand("go");
+  std::vector<char*> arguments;
+  for (auto& word : words) arguments.push_back(word.data());
+  return run_program(app, static_cast<int>(arguments.size()), arguments.data(), action);
+}
+
+TEST(RunProgram, ExitCodesFollowTheKindOfError) {
+  EXPECT_EQ(run({"test", "go"}, [] { return Status{}; }), 0);
+  EXPECT_EQ(run({"test", "go"}, [] { return Status{fail("x")}; }), 1);
+  EXPECT_EQ(run({"test", "go"}, [] { return Status{fail("x", ErrorKind::usage)}; }), 2);
+  EXPECT_EQ(run({"test", "go"}, [] { return Status{fail("x", ErrorKind::hardware_missing)}; }), 3);
+  EXPECT_EQ(run({"test", "go"}, []() -> Status { throw std::runtime_error("x"); }), 1);
+}
+
+TEST(RunProgram, WrongUsageIsTwoAndHelpIsNoError) {
+  const Action nothing = [] { return Status{}; };
+  EXPECT_EQ(run({"test"}, nothing), 2);
+  EXPECT_EQ(run({"test", "go", "--unknown"}, nothing), 2);
+  EXPECT_EQ(run({"test", "--help"}, nothing), 0);
+  EXPECT_EQ(run({"test", "--version"}, nothing), 0);
+}
+
+}  // namespace
+}  // namespace meshloop
