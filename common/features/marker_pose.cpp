@@ -10,8 +10,6 @@
 namespace meshloop {
 namespace {
 
-// Of a refined corner; measured, see the README.
-constexpr double kCornerSigmaPx = 0.1;
 // Beyond this a corner contradicts the others: its marker was moved, or is not the one it seems to be.
 constexpr double kContradictionPx = 5;
 // How far the pose of one marker alone may put another one off.
@@ -67,7 +65,8 @@ std::vector<Pose> poses_from_one(const KnownSighting& known, const Camera& camer
 std::vector<PointObservation> observations_of(const std::vector<KnownSighting>& known) {
   std::vector<PointObservation> points;
   for (const auto& [marker, sighting] : known) {
-    for (std::size_t k = 0; k < 4; ++k) points.push_back({marker->corners[k], sighting->pixels[k], kCornerSigmaPx});
+    for (std::size_t k = 0; k < 4; ++k)
+      points.push_back({marker->corners[k], sighting->pixels[k], kMarkerCornerSigmaPx});
   }
   return points;
 }
@@ -80,7 +79,7 @@ bool same_minimum(const Pose& a, const Pose& b) {
 }
 
 double squares(const RobustPose& pose) {
-  return pose.rms_px * pose.rms_px * pose.inliers / (kCornerSigmaPx * kCornerSigmaPx);
+  return pose.rms_px * pose.rms_px * pose.inliers / (kMarkerCornerSigmaPx * kMarkerCornerSigmaPx);
 }
 
 bool better(const RobustPose& a, const RobustPose& b) {

@@ -1,7 +1,6 @@
 #pragma once
 // Corners followed through the colour images, each with the place in the world that the rig's depth gave it. Used
 // inside this stage; one thread.
-#include <functional>
 #include <optional>
 #include <vector>
 

@@ -129,12 +129,12 @@ std::optional<Estimate> MarkerAndFeatureTracker::from_markers(const std::vector<
 // One marker that leaves a direction uncertain, helped by the features where both agree.
 Estimate MarkerAndFeatureTracker::joint(const Estimate& markers, const std::vector<MarkerSighting>& seen,
                                         const FeatureSet::Sightings& features) const {
-  const double corner_sigma = 0.1;
   std::vector<PointObservation> points = features.points;
   for (const MarkerSighting& sighting : seen) {
     for (const Marker& marker : map_->markers) {
       if (marker.id != sighting.id) continue;
-      for (std::size_t k = 0; k < 4; ++k) points.push_back({marker.corners[k], sighting.pixels[k], corner_sigma});
+      for (std::size_t k = 0; k < 4; ++k)
+        points.push_back({marker.corners[k], sighting.pixels[k], kMarkerCornerSigmaPx});
     }
   }
   const auto pose = refine_pose(points, rig_.color, markers.T_color_world, {kLargestErrorPx, kLeastInliers, 20});

@@ -42,19 +42,45 @@ inline GreyImage blotches(int width, int height, unsigned seed) {
 
 namespace detail {
 
-struct PlaneRay {
-  // For a ray (x, y, 1) of the camera: plane coordinates are (A ray)_01 / (A ray)_2, and z is numerator / (n ray).
-  Eigen::Matrix3d homography;
-  Eigen::Vector3d normal;
+// Plain numbers: this runs for every ray, also in tests that are built without optimisation.
+struct PreparedPlane {
+  const TexturedPlane* plane;
+  // For the ray (x, y, 1): plane coordinates are (h ray)_01 / (h ray)_2, and its depth is distance / (normal ray).
+  std::array<double, 9> h;
+  std::array<double, 3> normal;
   double distance;
+  // Pixels that it may cover.
+  int left, top, right, bottom;
 };
 
-inline PlaneRay prepare(const TexturedPlane& plane, const Pose& T_camera_world) {
+inline PreparedPlane prepare(const TexturedPlane& plane, const Camera& camera, const Pose& T_camera_world) {
   const Pose T_camera_plane = T_camera_world * plane.T_world_plane;
   Eigen::Matrix3d to_camera;
   to_camera << T_camera_plane.linear().col(0), T_camera_plane.linear().col(1), T_camera_plane.translation();
-  const Eigen::Vector3d normal = T_camera_plane.linear().col(2);
-  return {to_camera.inverse(), normal, normal.dot(T_camera_plane.translation())};
+  const Eigen::Matrix3d h = to_camera.inverse();
+  const Eigen::Vector3d n = T_camera_plane.linear().col(2);
+  PreparedPlane prepared{&plane,
+                         {h(0, 0), h(0, 1), h(0, 2), h(1, 0), h(1, 1), h(1, 2), h(2, 0), h(2, 1), h(2, 2)},
+                         {n.x(), n.y(), n.z()},
+                         n.dot(T_camera_plane.translation()),
+                         0,
+                         0,
+                         camera.width - 1,
+                         camera.height - 1};
+  Eigen::AlignedBox2d seen;
+  for (const double x : {0.0, plane.width_m}) {
+    for (const double y : {0.0, plane.height_m}) {
+      const Eigen::Vector3d p = T_camera_plane * Eigen::Vector3d{x, y, 0};
+      // Partly behind the camera: it may cover everything.
+      if (p.z() < 0.01) return prepared;
+      seen.extend(camera.project(p));
+    }
+  }
+  prepared.left = static_cast<int>(std::clamp(seen.min().x() - 1, 0.0, camera.width - 1.0));
+  prepared.top = static_cast<int>(std::clamp(seen.min().y() - 1, 0.0, camera.height - 1.0));
+  prepared.right = static_cast<int>(std::clamp(seen.max().x() + 2, -1.0, camera.width - 1.0));
+  prepared.bottom = static_cast<int>(std::clamp(seen.max().y() + 2, -1.0, camera.height - 1.0));
+  return prepared;
 }
 
 inline double texel(const TexturedPlane& plane, double x, double y) {
@@ -72,39 +98,49 @@ inline double texel(const TexturedPlane& plane, double x, double y) {
   return (1 - t) * ((1 - s) * at(i, j) + s * at(i + 1, j)) + t * ((1 - s) * at(i, j + 1) + s * at(i + 1, j + 1));
 }
 
+// The grey where the ray (x, y, 1) ends, and its depth there (0: nowhere).
+inline double cast(const std::vector<const PreparedPlane*>& planes, double ray_x, double ray_y, double background,
+                   double& z) {
+  double grey = background;
+  z = 0;
+  for (const PreparedPlane* p : planes) {
+    const double w = p->h[6] * ray_x + p->h[7] * ray_y + p->h[8];
+    const double x = (p->h[0] * ray_x + p->h[1] * ray_y + p->h[2]) / w;
+    const double y = (p->h[3] * ray_x + p->h[4] * ray_y + p->h[5]) / w;
+    if (!(w > 0 && x >= 0 && y >= 0 && x < p->plane->width_m && y < p->plane->height_m)) continue;
+    const double depth = p->distance / (p->normal[0] * ray_x + p->normal[1] * ray_y + p->normal[2]);
+    if (z > 0 && depth >= z) continue;
+    z = depth;
+    grey = texel(*p->plane, x, y);
+  }
+  return grey;
+}
+
 }  // namespace detail
 
 /// Each pixel is the mean of samples x samples rays over its area.
 inline PlaneView render_planes(const std::vector<TexturedPlane>& planes, const Camera& camera,
                                const Pose& T_camera_world, int samples = 4, std::uint8_t background = 128) {
-  PlaneView view{{camera.width, camera.height}, {camera.width, camera.height}};
-  std::vector<detail::PlaneRay> prepared;
-  for (const TexturedPlane& plane : planes) prepared.push_back(detail::prepare(plane, T_camera_world));
-  const auto cast = [&](double u, double v, double& z) {
-    double grey = background;
-    z = 0;
-    const Eigen::Vector3d ray{(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1};
-    for (std::size_t i = 0; i < planes.size(); ++i) {
-      const Eigen::Vector3d h = prepared[i].homography * ray;
-      const double x = h.x() / h.z();
-      const double y = h.y() / h.z();
-      if (!(h.z() > 0 && x >= 0 && y >= 0 && x < planes[i].width_m && y < planes[i].height_m)) continue;
-      const double depth = prepared[i].distance / prepared[i].normal.dot(ray);
-      if (z > 0 && depth >= z) continue;
-      z = depth;
-      grey = detail::texel(planes[i], x, y);
-    }
-    return grey;
-  };
+  PlaneView view{{camera.width, camera.height, background}, {camera.width, camera.height}};
+  std::vector<detail::PreparedPlane> prepared;
+  for (const TexturedPlane& plane : planes) prepared.push_back(detail::prepare(plane, camera, T_camera_world));
+  std::vector<const detail::PreparedPlane*> here;
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
+      here.clear();
+      for (const detail::PreparedPlane& p : prepared) {
+        if (x >= p.left && x <= p.right && y >= p.top && y <= p.bottom) here.push_back(&p);
+      }
+      if (here.empty()) continue;
       double sum = 0;
       double z = 0;
       for (int k = 0; k < samples * samples; ++k) {
-        sum += cast(x - 0.5 + (k % samples + 0.5) / samples, y - 0.5 + (k / samples + 0.5) / samples, z);
+        const double u = x - 0.5 + (k % samples + 0.5) / samples;
+        const double v = y - 0.5 + (k / samples + 0.5) / samples;
+        sum += detail::cast(here, (u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, background, z);
       }
       view.image(x, y) = static_cast<std::uint8_t>(std::lround(sum / (samples * samples)));
-      cast(x, y, z);
+      detail::cast(here, (x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, background, z);
       view.depth(x, y) = static_cast<float>(z);
     }
   }
