@@ -118,13 +118,16 @@ Result<std::vector<ImportedPart>> collect(const aiScene& scene, const FileTraits
   return parts;
 }
 
-/// Some of assimp's readers replace an index that is out of range by another one and only mention it in the log.
+/// Some of assimp's readers drop a triangle with an index that is out of range, or take another index, and only mention
+/// it in the log.
 class IndexComplaints : public Assimp::LogStream {
  public:
   explicit IndexComplaints(std::string& first) : first_{first} {}
   void write(const char* message) override {
     const std::string_view text{message};
-    if (first_.empty() && text.find("out of range") != std::string_view::npos) first_ = text;
+    const bool complains =
+        text.find("out of range") != std::string_view::npos || text.find("out-of-range") != std::string_view::npos;
+    if (complains && first_.empty()) first_ = text;
   }
 
  private:
@@ -136,7 +139,8 @@ class AssimpLog {
  public:
   AssimpLog() {
     Assimp::DefaultLogger::create(nullptr, Assimp::Logger::NORMAL, 0);
-    Assimp::DefaultLogger::get()->attachStream(new IndexComplaints{complaint_}, Assimp::Logger::Err);
+    Assimp::DefaultLogger::get()->attachStream(new IndexComplaints{complaint_},
+                                               Assimp::Logger::Err | Assimp::Logger::Warn);
   }
   ~AssimpLog() { Assimp::DefaultLogger::kill(); }
   AssimpLog(const AssimpLog&) = delete;

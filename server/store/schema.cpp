@@ -77,12 +77,17 @@ Status check_identity(Database& database) {
   return {};
 }
 
+/// The check's answer without the line that only names the database.
+std::string last_line(const std::string& text) {
+  return text.substr(text.rfind('\n') + 1);
+}
+
 Status check_pages(Database& database) {
   auto check = database.prepare("PRAGMA quick_check(1)");
   if (!check) return fail(check.error());
   const auto row = check->step();
   if (!row) return fail(row.error());
-  const std::string verdict = *row ? check->text(0) : "no answer";
+  const std::string verdict = *row ? last_line(check->text(0)) : "no answer";
   if (verdict != "ok") {
     return fail(fmt::format("'{}' is damaged ({}); restore it from a copy", database.file().string(), verdict));
   }

@@ -48,19 +48,22 @@ class HardTimes : public test::SceneFolder {
   }
 }
 
-/// The last revision that the child reported before it was killed.
-std::uint64_t kill_while_committing(const std::filesystem::path& scene, std::chrono::microseconds delay) {
+/// The last revision that the child reported before it was killed. The delay starts with its first report, or with the
+/// child itself, to hit the opening too.
+std::uint64_t kill_while_committing(const std::filesystem::path& scene, bool await_report,
+                                    std::chrono::microseconds delay) {
   int ends[2];
   EXPECT_EQ(::pipe(ends), 0);
   const pid_t child = ::fork();
   if (child == 0) commit_for_ever(scene, ends[1]);
   ::close(ends[1]);
+  std::uint64_t number = 0, last = 0;
+  if (await_report && ::read(ends[0], &number, sizeof number) == sizeof number) last = number;
   std::this_thread::sleep_for(delay);
   ::kill(child, SIGKILL);
   int status = 0;
   ::waitpid(child, &status, 0);
   EXPECT_TRUE(WIFSIGNALED(status)) << "the child ended by itself";
-  std::uint64_t number = 0, last = 0;
   while (::read(ends[0], &number, sizeof number) == sizeof number) last = number;
   ::close(ends[0]);
   return last;
@@ -70,7 +73,8 @@ TEST_F(HardTimes, EveryReportedRevisionSurvivesKillNineAtAnyMoment) {
   std::mt19937 random{21};
   std::uint64_t reported = 0;
   for (int round = 0; round < 20; ++round) {
-    reported = std::max(reported, kill_while_committing(scene_, std::chrono::microseconds{random() % 120'000}));
+    const std::chrono::microseconds delay{random() % 60'000};
+    reported = std::max(reported, kill_while_committing(scene_, round % 4 != 0, delay));
     if (!std::filesystem::exists(scene_)) continue;
     const auto store = SceneStore::open(scene_, false);
     ASSERT_TRUE(store) << store.error().message;
@@ -83,7 +87,7 @@ TEST_F(HardTimes, EveryReportedRevisionSurvivesKillNineAtAnyMoment) {
     }
     reported = (*store)->model()->revision;
   }
-  EXPECT_GT(reported, 20u) << "the children hardly committed";
+  EXPECT_GE(reported, 15u) << "the children hardly committed";
 }
 
 TEST_F(HardTimes, AFullDiskKeepsTheLastRevision) {
@@ -155,13 +159,15 @@ TEST_F(HardTimes, ASceneOfANewerSchemaIsRefused) {
 }
 
 TEST_F(HardTimes, RowsThatContradictEachOtherAreRefused) {
-  const auto damaged_by = [this](const std::string& sql) {
-    std::filesystem::remove(scene_);
-    {
-      const auto store = open_or_die(scene_);
-      store->commit({add(1, 1), add(2, 2)}, {}).value();
-      store->commit({RemoveNode{2}}, {}).value();
-    }
+  {
+    const auto store = open_or_die(scene_);
+    store->commit({add(1, 1), add(2, 2)}, {}).value();
+    store->commit({RemoveNode{2}}, {}).value();
+  }
+  const std::string whole = content_of(scene_);
+  const auto damaged_by = [&](const std::string& sql) {
+    for (const char* companion : {"-wal", "-shm"}) std::filesystem::remove(scene_.string() + companion);
+    write_content(scene_, whole);
     run_sql(sql);
     return refusal(scene_);
   };
@@ -198,7 +204,7 @@ TEST_F(HardTimes, FlippedBytesNeverCrashAndNeverChangeAnything) {
   const std::string whole = content_of(scene_);
   std::mt19937 random{31};
   int refused = 0;
-  for (int round = 0; round < 150; ++round) {
+  for (int round = 0; round < 60; ++round) {
     std::string damaged = whole;
     for (std::size_t i = 0, count = 1 + random() % 8; i < count; ++i) {
       damaged[random() % (round % 3 == 0 ? 4096 : damaged.size())] = static_cast<char>(random());
@@ -208,6 +214,7 @@ TEST_F(HardTimes, FlippedBytesNeverCrashAndNeverChangeAnything) {
     if (!store) {
       ++refused;
       EXPECT_FALSE(store.error().message.empty());
+      EXPECT_EQ(store.error().message.find('\n'), std::string::npos);
       EXPECT_TRUE(content_of(scene_) == damaged);
       continue;
     }
@@ -215,7 +222,7 @@ TEST_F(HardTimes, FlippedBytesNeverCrashAndNeverChangeAnything) {
     (void)(*store)->log();
     for (Revision revision = 0; revision < 8; ++revision) (void)(*store)->model_at(revision);
   }
-  EXPECT_GT(refused, 75);
+  EXPECT_GT(refused, 30);
 }
 
 }  // namespace
