@@ -92,7 +92,7 @@ void draw_mesh(GLuint vertex_array, GLsizei index_count, const Eigen::Matrix4d& 
 }  // namespace
 
 Eigen::Vector3d direction_to_light() {
-  return Eigen::Vector3d{0.42, -0.30, 0.86}.normalized();
+  return Eigen::Vector3d{-0.50, -0.26, 0.83}.normalized();
 }
 
 Eigen::Matrix4d ShadowBox::clip_from_world() const {

@@ -15,12 +15,15 @@ constexpr double kPointAgrees_px = 2;
 constexpr double kEdgeAgrees_px = 1;
 /// The absolute matches hold the drift down, the followed features the jitter.
 constexpr double kMatchSigma_px = 0.7;
-constexpr double kFollowedSigma_px = 0.7;
+constexpr double kFollowedSigma_px = 1.2;
 /// Larger than an edge's own error: a dozen samples of one edge share what is wrong with it.
 constexpr double kEdgeSigma_px = 1.2;
 constexpr int kEdgeSpacing_px = 6;
 constexpr double kBlur_px = 1.0;
 constexpr double kRepeatAbove_px = 3;
+/// Of the second solution from the same observations: right edges lie within a third of a pixel, and a long wrong one
+/// (a shadow's border beside a real edge) must not bear on the pose.
+constexpr double kLastGate_px = 1.0;
 
 /// One drawing of the model, and how far it looks.
 struct Round {
@@ -66,6 +69,17 @@ void count_votes(Alignment& now, const Observations& found, const Camera& camera
                   count_agreeing(now.features, camera, now.T_camera_world, kPointAgrees_px)};
 }
 
+/// With a wide gate, and then with a narrow one when that still fixes the pose.
+std::optional<JointPose> solve_twice(const std::vector<PointObservation>& points,
+                                     const std::vector<EdgeObservation>& edges, const Camera& camera, const Pose& start,
+                                     double gate_px) {
+  const auto first = solve_pose(points, edges, camera, start, {gate_px});
+  if (!first) return std::nullopt;
+  const auto second = solve_pose(points, edges, camera, first->T_camera_world, {kLastGate_px});
+  const bool kept_most = second && 3 * (second->points + second->edges) > first->points + first->edges;
+  return kept_most ? second : first;
+}
+
 /// Draws, observes, solves. How far the pose moved the picture, in pixels; nothing when it could not be solved.
 std::optional<double> correct(Alignment& now, SceneRenderer& renderer, const Model& model, const Camera& camera,
                               const Picture& picture, const FeatureSet& features, const Round& round) {
@@ -75,9 +89,7 @@ std::optional<double> correct(Alignment& now, SceneRenderer& renderer, const Mod
   auto points = found.matches;
   const auto followed = observations_of(now.features, kFollowedSigma_px);
   points.insert(points.end(), followed.begin(), followed.end());
-  JointOptions joint_options;
-  joint_options.max_error_px = round.gate_px;
-  const auto pose = solve_pose(points, found.edges, camera, now.T_camera_world, joint_options);
+  const auto pose = solve_twice(points, found.edges, camera, now.T_camera_world, round.gate_px);
   if (!pose) return std::nullopt;
   double moved_px = 0;
   for (const auto& edge : found.edges) {

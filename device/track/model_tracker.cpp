@@ -82,11 +82,14 @@ void FeatureModelTracker::start_at(const Pose& T_camera_world) {
 
 std::optional<Alignment> FeatureModelTracker::found_from(const Model& model, const Picture& picture,
                                                          const Pose& start) const {
-  auto found = align_widely(*renderer_, model, camera_, picture, start);
-  const bool sure = found && found->inliers() >= options_.min_inliers && found->agreeing_share() >= kShareToStart &&
-                    is_certain(found->covariance);
-  if (!sure) return std::nullopt;
-  return found;
+  const auto is_sure = [&](const std::optional<Alignment>& found) {
+    return found && found->inliers() >= options_.min_inliers && found->agreeing_share() >= kShareToStart &&
+           is_certain(found->covariance);
+  };
+  // The smallest correction that fits wins: a wide search also finds an object that was moved, and would follow it.
+  if (auto found = align_closely(*renderer_, model, camera_, picture, start, {}); is_sure(found)) return found;
+  if (auto found = align_widely(*renderer_, model, camera_, picture, start); is_sure(found)) return found;
+  return std::nullopt;
 }
 
 std::optional<Alignment> FeatureModelTracker::go_on(const Model& model, const Picture& picture, double timestamp_s) {

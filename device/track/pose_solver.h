@@ -21,7 +21,7 @@ struct JointPose {
   Pose T_camera_world = Pose::Identity();
   /// Of a twist on the left, as in TrackedPose. Large where the observations leave a direction open.
   PoseCovariance covariance = PoseCovariance::Zero();
-  /// Within max_error_px.
+  /// Within max_error_px, hence used.
   int points = 0;
   int edges = 0;
 };

@@ -143,7 +143,7 @@ bool hits_box(const Eigen::Vector3d& from, const Eigen::Vector3d& direction, con
 
 TEST_F(ArRendererTest, AnObjectDarkensTheRealFloorWhereItsShadowFallsAndNowhereElse) {
   const Model floor = model_of(rectangle({-1.5f, -1.5f}, {1.5f, 1.5f}, 0));
-  const Pose T_camera_world = look_at({-0.5, -0.5, 0.9}, {0, 0, 0.05}, Eigen::Vector3d::UnitZ()).inverse();
+  const Pose T_camera_world = look_at({0.5, -0.5, 0.9}, {0, 0, 0.05}, Eigen::Vector3d::UnitZ()).inverse();
   const auto objects = one(box({0, 0, 0.16f}, 0.12f, {240, 240, 240}));
   const ColorImage picture = draw(&floor, objects, T_camera_world);
   const Pose T_world_camera = T_camera_world.inverse();

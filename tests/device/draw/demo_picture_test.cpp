@@ -28,12 +28,12 @@ TEST(DemoPicture, DISABLED_LighthouseOnTheSideboard) {
   ASSERT_TRUE(renderer && presenter);
   const auto scene = simulation::make_demo_scene(1);
   Model model;
-  for (auto& mesh : simulation::tessellate(scene, false, 0.012)) {
+  for (auto& mesh : simulation::tessellate(scene, false, 0.02)) {
     model.nodes.push_back(make_node(model.nodes.size() + 1, mesh.name, std::move(mesh.submesh)));
   }
   std::vector<VirtualObject> objects(1);
   objects[0].submesh = std::make_shared<const Submesh>(make_lighthouse());
-  objects[0].T_world_object.translation() = Eigen::Vector3d{0.17, 0.12, 0};
+  objects[0].T_world_object.translation() = Eigen::Vector3d{0.02, -0.13, 0};
   const Camera camera{640, 480, 525, 525, 319.5, 239.5, {}};
   std::vector<double> times_ms;
   for (const double angle_deg : {-100.0, -60.0, -20.0, 40.0, 100.0, 200.0}) {

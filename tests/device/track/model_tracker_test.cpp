@@ -41,11 +41,11 @@ class ModelTrackerTest : public testing::Test {
 };
 
 TEST_F(ModelTrackerTest, FollowsTheCameraToMillimetresWithTheRightModel) {
-  const WalkResult result = walk(*tracker_, scene_, model_of(scene_, false), small_camera(), 30, kStep_deg);
+  const WalkResult result = walk(*tracker_, scene_, model_of(scene_, false), small_camera(), 24, kStep_deg);
   EXPECT_EQ(result.lost, 0);
   EXPECT_LT(result.mean_m, 0.004);
   EXPECT_LT(result.max_m, 0.012);
-  EXPECT_GT(result.lowest_quality, 0.3);
+  EXPECT_GT(result.lowest_quality, 0.5);
 }
 
 TEST_F(ModelTrackerTest, IsNotPulledByWhatTheModelLacks) {
@@ -54,11 +54,20 @@ TEST_F(ModelTrackerTest, IsNotPulledByWhatTheModelLacks) {
   EXPECT_LT(result.mean_m, 0.01);
 }
 
-TEST_F(ModelTrackerTest, IsNotPulledByABoxThatWasMoved) {
+TEST_F(ModelTrackerTest, IsNotPulledByABoxThatWasMovedWhereTheRestFixesThePose) {
+  constexpr double kFront_deg = -90;
   const auto moved = simulation::with_moved_object(scene_, "box", {0.02, 0, 0});
-  const WalkResult result = walk(*tracker_, moved, model_of(scene_, false), small_camera(), 20, kStep_deg);
+  const WalkResult result = walk(*tracker_, moved, model_of(scene_, false), small_camera(), 20, kStep_deg, kFront_deg);
   EXPECT_EQ(result.lost, 0);
   EXPECT_LT(result.mean_m, 0.01);
+}
+
+// Seen from the sideboard's narrow end the box fills the view and was moved along it; the long edges do not tell. The
+// pose goes with the box then, and no farther than the box went.
+TEST_F(ModelTrackerTest, IsPulledNoFartherThanTheBoxWasMovedWhereOnlyTheBoxTells) {
+  const auto moved = simulation::with_moved_object(scene_, "box", {0.02, 0, 0});
+  const WalkResult result = walk(*tracker_, moved, model_of(scene_, false), small_camera(), 8, kStep_deg);
+  EXPECT_LT(result.max_m, 0.03);
 }
 
 TEST_F(ModelTrackerTest, FollowsWithAModelThatHasNoColors) {

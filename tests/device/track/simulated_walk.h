@@ -28,8 +28,7 @@ inline Pose pose_at(double angle_deg, double radius_m = 1.15) {
   return look_at(eye, {0.02 * std::sin(2 * angle), 0, 0.03}, Eigen::Vector3d::UnitZ()).inverse();
 }
 
-inline std::shared_ptr<const Model> model_of(const simulation::Scene& scene, bool modelled_only,
-                                             double edge_m = 0.012) {
+inline std::shared_ptr<const Model> model_of(const simulation::Scene& scene, bool modelled_only, double edge_m = 0.02) {
   auto model = std::make_shared<Model>();
   model->revision = 1;
   NodeId id = 1;
@@ -73,12 +72,12 @@ struct WalkResult {
 
 /// Tracks `frames` pictures along the circle, started at the true pose.
 inline WalkResult walk(ModelTracker& tracker, const simulation::Scene& scene, const std::shared_ptr<const Model>& model,
-                       const Camera& camera, int frames, double step_deg) {
+                       const Camera& camera, int frames, double step_deg, double first_deg = 0) {
   WalkResult result;
-  tracker.start_at(pose_at(0));
+  tracker.start_at(pose_at(first_deg));
   int known = 0;
   for (int i = 0; i < frames; ++i) {
-    const Pose truth = pose_at(i * step_deg);
+    const Pose truth = pose_at(first_deg + i * step_deg);
     const TrackedPose tracked = tracker.track(frame_at(scene, camera, truth, i), model);
     if (tracked.state == TrackState::lost) {
       ++result.lost;
