@@ -46,7 +46,7 @@ NodePayload payload_from(Input& input) {
   const bool has_its_hash = input.value<std::uint8_t>() != 0;
   const auto bytes = input.take(input.value<std::uint16_t>());
   payload.bytes.assign(bytes.begin(), bytes.end());
-  if (has_its_hash) payload.hash = hash_of(payload.bytes);
+  if (has_its_hash) payload.hash = meshloop::hash_of(payload.bytes);
   return payload;
 }
 
