@@ -30,21 +30,52 @@ struct LabelInfo {
 };
 
 inline constexpr std::array<LabelInfo, 6> kLabels{{
-    {Label::unmeasured, "unmeasured", ChangeKind::none, Opacity::constant, {0, 160, 0}, {0, 158, 115},
+    {Label::unmeasured,
+     "unmeasured",
+     ChangeKind::none,
+     Opacity::constant,
+     {0, 160, 0},
+     {0, 158, 115},
      "no depth measured"},
-    {Label::unmodelled, "unmodelled", ChangeKind::insertion, Opacity::constant, {30, 80, 255}, {0, 114, 178},
+    {Label::unmodelled,
+     "unmodelled",
+     ChangeKind::insertion,
+     Opacity::constant,
+     {30, 80, 255},
+     {0, 114, 178},
      "measured, not in the model"},
-    {Label::closer, "closer", ChangeKind::insertion, Opacity::by_difference, {230, 20, 20}, {213, 94, 0},
+    {Label::closer,
+     "closer",
+     ChangeKind::insertion,
+     Opacity::by_difference,
+     {230, 20, 20},
+     {213, 94, 0},
      "nearer than the model"},
-    {Label::farther, "farther", ChangeKind::removal, Opacity::by_difference, {255, 220, 0}, {240, 228, 66},
+    {Label::farther,
+     "farther",
+     ChangeKind::removal,
+     Opacity::by_difference,
+     {255, 220, 0},
+     {240, 228, 66},
      "farther than the model"},
     {Label::agrees, "agrees", ChangeKind::none, Opacity::transparent, {0, 0, 0}, {0, 0, 0}, "within the threshold"},
-    {Label::undecided, "undecided", ChangeKind::none, Opacity::transparent, {0, 0, 0}, {0, 0, 0},
+    {Label::undecided,
+     "undecided",
+     ChangeKind::none,
+     Opacity::transparent,
+     {0, 0, 0},
+     {0, 0, 0},
      "too uncertain to tell"},
 }};
 
-[[nodiscard]] constexpr const LabelInfo& info(Label label) { return kLabels[static_cast<std::size_t>(label)]; }
-[[nodiscard]] constexpr ChangeKind kind_of(Label label) { return info(label).kind; }
-[[nodiscard]] constexpr bool is_change(Label label) { return kind_of(label) != ChangeKind::none; }
+[[nodiscard]] constexpr const LabelInfo& info(Label label) {
+  return kLabels[static_cast<std::size_t>(label)];
+}
+[[nodiscard]] constexpr ChangeKind kind_of(Label label) {
+  return info(label).kind;
+}
+[[nodiscard]] constexpr bool is_change(Label label) {
+  return kind_of(label) != ChangeKind::none;
+}
 
 }  // namespace meshloop
