@@ -7,8 +7,8 @@
 
 namespace meshloop {
 
-/// Reads another source on a thread of its own, a few frames ahead. Live sources drop the oldest frame when the reader is
-/// slow; recordings wait. Errors come out in their place among the frames.
+/// Reads another source on a thread of its own, a few frames ahead. Live sources drop the oldest frame when the reader
+/// is slow; recordings wait. Errors come out in their place among the frames.
 class PrefetchingSource : public RgbdSource {
  public:
   PrefetchingSource(std::unique_ptr<RgbdSource> source, WhenFull when_full);

@@ -49,8 +49,8 @@ class RegionTracker {
   RegionId next_id_ = 1;
 };
 
-/// Changed pixels that belong to no region become `undecided`: a few pixels alone, as along the outline of a model that is
-/// a fraction of a pixel off, cannot be told from noise.
+/// Changed pixels that belong to no region become `undecided`: a few pixels alone, as along the outline of a model that
+/// is a fraction of a pixel off, cannot be told from noise.
 void settle_labels(Comparison& comparison, const RegionMap& regions);
 
 }  // namespace meshloop
