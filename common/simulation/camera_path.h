@@ -16,7 +16,8 @@ struct StationPath {
   [[nodiscard]] Pose at(double t_s) const;
 };
 
-/// A steady walk around the scene, once in `round_s` seconds, from the front.
+/// A steady walk around the box, near enough that it fills much of the picture, once in `round_s` seconds, from the
+/// front.
 struct DevicePath {
   double round_s = 6;
 

@@ -16,18 +16,18 @@ struct DemoOptions {
 };
 
 /// Writes below `folder`:
-///   model.ply            the modelled solids, with vertex colours
+///   model.ply              the modelled solids, with vertex colours
 ///   model_before_move.ply  all solids, the box at its first place: a perfect model of the scene's first half
-///   markers.yaml         the markers on the sideboard
-///   station/             depth and colour recording; in its second half the box stands 2 cm away from where it was
-///   station_truth/       per depth frame: expected_NNNNNN.tiff (exact depth of the model at the start),
-///   measured_NNNNNN.tiff
-///                        (exact depth of the scene), previous_NNNNNN.tiff (exact depth of the scene with the box at
-///                        its first place; second half only)
-///   device_before_move/, device_after_move/   colour recordings on a circle around the scene, box at its first and
-///   second
-///                        place, with groundtruth.txt
-/// Calls progress(done, all) from time to time.
+///   markers.yaml           the markers on the sideboard
+///   station/               depth and colour; in its second half the box stands 2 cm away from where it was.
+///                          groundtruth.txt holds a pose for every colour and every depth timestamp
+///   station_truth/         for each depth frame, exact depth: expected_NNNNNN.tiff of the model at the start,
+///                          measured_NNNNNN.tiff of the scene, and in the second half previous_NNNNNN.tiff of the
+///                          scene with the box at its first place; frames.txt with times and poses
+///   device_before_move/    colour on a circle around the box, which stands at its first place, with groundtruth.txt
+///   device_after_move/     the same way, the box at its second place
+/// Refuses a folder that holds such recordings already. Calls progress(done, all) after each frame, from any thread,
+/// one at a time.
 [[nodiscard]] Status write_demo_data(const std::filesystem::path& folder, const DemoOptions& options,
                                      const std::function<void(int, int)>& progress);
 

@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "common/image/image_file.h"
 #include "common/interchange/model_file.h"
@@ -10,26 +12,24 @@
 #include "common/simulation/demo_data.h"
 #include "common/simulation/demo_scene.h"
 #include "common/simulation/parallel.h"
+#include "temporary_folder.h"
 
 namespace meshloop::simulation {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder that goes when the test ends.
 class DemoData : public testing::Test {
  protected:
-  DemoData()
-      : folder_{fs::temp_directory_path() /
-                (std::string("meshloop-demo-") + testing::UnitTest::GetInstance()->current_test_info()->name())} {
-    fs::remove_all(folder_);
-  }
-  ~DemoData() override {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-  fs::path folder_;
+  /// The tests may run side by side, also from several builds.
+  TemporaryFolder temporary_;
+  fs::path folder_ = temporary_ / "demo";
 };
+
+testing::AssertionResult succeeded(const Status& status) {
+  if (status) return testing::AssertionSuccess();
+  return testing::AssertionFailure() << status.error().message;
+}
 
 TEST_F(DemoData, WithoutNoiseTheRecordedDepthIsTheTruthToAnEighthOfAMillimetre) {
   DemoOptions options;
@@ -43,8 +43,7 @@ TEST_F(DemoData, WithoutNoiseTheRecordedDepthIsTheTruthToAnEighthOfAMillimetre) 
     last = done;
     EXPECT_EQ(all, 8);
   };
-  const Status written = write_demo_data(folder_, options, count);
-  ASSERT_TRUE(written) << written.error().message;
+  ASSERT_TRUE(succeeded(write_demo_data(folder_, options, count)));
   EXPECT_EQ(calls, 8);
   EXPECT_EQ(last, 8);
 
@@ -68,7 +67,7 @@ TEST_F(DemoData, HoldsEveryFileThatItsHeaderNames) {
   DemoOptions options;
   options.station_frames = 4;
   options.device_frames = 3;
-  ASSERT_TRUE(write_demo_data(folder_, options, nullptr));
+  ASSERT_TRUE(succeeded(write_demo_data(folder_, options, nullptr)));
   for (const char* name : {"device_before_move", "device_after_move"}) {
     const auto device = Recording::open(folder_ / name);
     ASSERT_TRUE(device) << device.error().message;
@@ -99,7 +98,7 @@ TEST_F(DemoData, SecondHalfComesAfterAGapAndHasAPoseForEveryImage) {
   DemoOptions options;
   options.station_frames = 6;
   options.device_frames = 2;
-  ASSERT_TRUE(write_demo_data(folder_, options, nullptr));
+  ASSERT_TRUE(succeeded(write_demo_data(folder_, options, nullptr)));
   const auto recording = Recording::open(folder_ / "station");
   ASSERT_TRUE(recording && recording->ground_truth());
   const auto& color = recording->color_images();
@@ -129,7 +128,7 @@ TEST_F(DemoData, SaysSoWhenTheFolderHoldsARecordingOrCannotBeMade) {
   DemoOptions options;
   options.station_frames = 2;
   options.device_frames = 2;
-  ASSERT_TRUE(write_demo_data(folder_, options, nullptr));
+  ASSERT_TRUE(succeeded(write_demo_data(folder_, options, nullptr)));
   const Status again = write_demo_data(folder_, options, nullptr);
   ASSERT_FALSE(again);
   EXPECT_NE(again.error().message.find("recording"), std::string::npos);
