@@ -73,8 +73,8 @@ double median_difference(const std::vector<Triangle>& triangles, const Rig& rig,
                          const Pose& T_color_world) {
   std::vector<double> differences;
   const Pose T_depth_world = rig.T_depth_color * T_color_world;
-  for (int y = 4; y < frame.depth.height(); y += 12) {
-    for (int x = 4; x < frame.depth.width(); x += 12) {
+  for (int y = 4; y < frame.depth.height(); y += 24) {
+    for (int x = 4; x < frame.depth.width(); x += 24) {
       const double expected = cast(triangles, T_depth_world, rig.depth.back_project(x, y, 1));
       if (expected > 0 && frame.depth(x, y) > 0) differences.push_back(std::abs(frame.depth(x, y) - expected));
     }
