@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 
 #include "common/simulation/light.h"
@@ -31,13 +32,24 @@ void for_each_pixel(const ViewCast& view, const Camera& camera, int threads, con
   });
 }
 
-constexpr std::uint32_t kBackground = 0;
+/// What a ray meets; equal for rays that meet the same face in the same light.
+struct Surface {
+  std::int16_t solid = -1;
+  std::int8_t face = 0;
+  bool lit = false;
+  [[nodiscard]] bool is_background() const { return solid < 0; }
+  [[nodiscard]] bool is_flat() const { return solid >= 0 && face != kMantle; }
+  friend bool operator==(const Surface&, const Surface&) = default;
+};
 
 struct Sample {
   Rgb8 color;
-  /// Equal for rays that meet the same face in the same light.
-  std::uint32_t surface = kBackground;
+  Surface surface;
 };
+
+/// How a pixel deserves more rays: where its neighbours lie on other surfaces, these have to be found again; inside a
+/// flat face only the print on it changes.
+enum class Refinement { none, print, rays };
 
 std::uint8_t shade(std::uint8_t channel, int brightness) {
   return static_cast<std::uint8_t>(std::min(255, (channel * brightness + 128) >> 8));
@@ -77,34 +89,33 @@ class ColorCast {
 
   [[nodiscard]] Sample sample(int tile_column, int tile_row, double u, double v) const {
     const Hit hit = view_.cast(tile_column, tile_row, u, v);
-    if (hit.solid < 0) return {scene_.background(R_world_camera_ * view_.ray(u, v)), kBackground};
-    const auto index = static_cast<std::size_t>(hit.solid);
-    const Solid& solid = scene_.solids[index];
+    if (hit.solid < 0) return {scene_.background(R_world_camera_ * view_.ray(u, v)), {}};
+    const Solid& solid = scene_.solids[static_cast<std::size_t>(hit.solid)];
     const Eigen::Vector3d normal_solid = normal_of_face(hit.face, hit.p_solid);
     const Lighting lighting = hit.face == kMantle ? Lighting(light_, solid.T_world_solid.linear() * normal_solid)
-                                                  : flat_faces_[index * kMantle + static_cast<std::size_t>(hit.face)];
+                                                  : lighting_of(hit.solid, hit.face);
     const bool lit = lighting.turned_to_lamp && light_.reaches(solid.T_world_solid * hit.p_solid, hit.solid);
-    const int brightness = lit ? lighting.bright : lighting.dark;
-    const Rgb8 paint = solid.texture(hit.p_solid, normal_solid);
-    const auto surface = static_cast<std::uint32_t>((hit.solid + 1) * 16 + hit.face * 2 + (lit ? 1 : 0));
-    return {{shade(paint.r, brightness), shade(paint.g, brightness), shade(paint.b, brightness)}, surface};
+    const Rgb8 color = shaded(solid.texture(hit.p_solid, normal_solid), lighting, lit);
+    return {color, {static_cast<std::int16_t>(hit.solid), static_cast<std::int8_t>(hit.face), lit}};
   }
 
-  [[nodiscard]] Rgb8 mean(int tile_column, int tile_row, int u, int v, int n) const {
-    std::array<int, 3> sum{};
-    for (int j = 0; j < n; ++j) {
-      for (int i = 0; i < n; ++i) {
-        const Rgb8 color = sample(tile_column, tile_row, u + (i + 0.5) / n - 0.5, v + (j + 0.5) / n - 0.5).color;
-        sum[0] += color.r;
-        sum[1] += color.g;
-        sum[2] += color.b;
-      }
-    }
-    const auto rounded = [count = n * n](int total) { return static_cast<std::uint8_t>((total + count / 2) / count); };
-    return {rounded(sum[0]), rounded(sum[1]), rounded(sum[2])};
+  /// The colour of a flat face that is known to lie behind (u, v).
+  [[nodiscard]] Rgb8 print(const Surface& surface, double u, double v) const {
+    const Eigen::Vector3d p_solid = view_.on_flat_face(surface.solid, surface.face, u, v);
+    const Texture& texture = scene_.solids[static_cast<std::size_t>(surface.solid)].texture;
+    const Rgb8 paint = texture(p_solid, normal_of_face(surface.face, p_solid));
+    return shaded(paint, lighting_of(surface.solid, surface.face), surface.lit);
   }
 
  private:
+  [[nodiscard]] const Lighting& lighting_of(int solid, int face) const {
+    return flat_faces_[static_cast<std::size_t>(solid * kMantle + face)];
+  }
+  static Rgb8 shaded(Rgb8 paint, const Lighting& lighting, bool lit) {
+    const int brightness = lit ? lighting.bright : lighting.dark;
+    return {shade(paint.r, brightness), shade(paint.g, brightness), shade(paint.b, brightness)};
+  }
+
   const Scene& scene_;
   ViewCast view_;
   Light light_;
@@ -113,20 +124,44 @@ class ColorCast {
   std::vector<Lighting> flat_faces_;
 };
 
-bool differ(const Sample& a, const Sample& b) {
-  // The room is soft already: a pixel sees about one texel of it.
-  if (a.surface == kBackground && b.surface == kBackground) return false;
-  const int step =
-      std::max({std::abs(a.color.r - b.color.r), std::abs(a.color.g - b.color.g), std::abs(a.color.b - b.color.b)});
-  return a.surface != b.surface || step > kVisibleStep;
+// The mean of color_at(u, v) over n x n places in a pixel.
+template <class ColorAt>
+Rgb8 mean_over_pixel(int u, int v, int n, const ColorAt& color_at) {
+  std::array<int, 3> sum{};
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const Rgb8 color = color_at(u + (i + 0.5) / n - 0.5, v + (j + 0.5) / n - 0.5);
+      sum[0] += color.r;
+      sum[1] += color.g;
+      sum[2] += color.b;
+    }
+  }
+  const auto rounded = [count = n * n](int total) { return static_cast<std::uint8_t>((total + count / 2) / count); };
+  return {rounded(sum[0]), rounded(sum[1]), rounded(sum[2])};
 }
 
-bool differs_from_neighbours(const Image<Sample>& samples, int u, int v) {
+bool differ_visibly(Rgb8 a, Rgb8 b) {
+  return std::max({std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b)}) > kVisibleStep;
+}
+
+Refinement refinement_of(const Image<Sample>& samples, int u, int v) {
+  constexpr std::array<std::array<int, 2>, 4> kNeighbours{{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
   const Sample& centre = samples(u, v);
-  return (u > 0 && differ(centre, samples(u - 1, v))) ||
-         (u + 1 < samples.width() && differ(centre, samples(u + 1, v))) ||
-         (v > 0 && differ(centre, samples(u, v - 1))) ||
-         (v + 1 < samples.height() && differ(centre, samples(u, v + 1)));
+  bool print_changes = false;
+  bool at_border = false;
+  for (const auto& [du, dv] : kNeighbours) {
+    if (u + du < 0 || v + dv < 0 || u + du >= samples.width() || v + dv >= samples.height()) {
+      at_border = true;
+      continue;
+    }
+    const Sample& neighbour = samples(u + du, v + dv);
+    if (neighbour.surface != centre.surface) return Refinement::rays;
+    print_changes = print_changes || differ_visibly(neighbour.color, centre.color);
+  }
+  // The room is soft already: a pixel sees about one texel of it.
+  if (!print_changes || centre.surface.is_background()) return Refinement::none;
+  // A face is convex: it lies behind all that is between four neighbours on it.
+  return centre.surface.is_flat() && !at_border ? Refinement::print : Refinement::rays;
 }
 
 }  // namespace
@@ -162,8 +197,17 @@ ColorImage cast_color(const Scene& scene, const Camera& camera, const Pose& T_ca
   });
   ColorImage image(camera.width, camera.height);
   for_each_pixel(cast.view(), camera, threads_for(threads), [&](int tile_column, int tile_row, int u, int v) {
-    const bool refine = supersampling > 1 && differs_from_neighbours(samples, u, v);
-    image(u, v) = refine ? cast.mean(tile_column, tile_row, u, v, supersampling) : samples(u, v).color;
+    const Sample& centre = samples(u, v);
+    const Refinement refinement = supersampling > 1 ? refinement_of(samples, u, v) : Refinement::none;
+    if (refinement == Refinement::none) {
+      image(u, v) = centre.color;
+    } else if (refinement == Refinement::print) {
+      image(u, v) =
+          mean_over_pixel(u, v, supersampling, [&](double x, double y) { return cast.print(centre.surface, x, y); });
+    } else {
+      image(u, v) = mean_over_pixel(u, v, supersampling,
+                                    [&](double x, double y) { return cast.sample(tile_column, tile_row, x, y).color; });
+    }
   });
   return image;
 }

@@ -42,14 +42,17 @@ class MarkerPrint {
     for (const MarkerPlace& place : kMarkerPlaces) {
       auto pattern = detector->pattern(place.id);
       if (!pattern) continue;
-      prints_.push_back({placed(place.x, place.y, 0, place.turn_deg).inverse(), std::move(*pattern)});
+      prints_.push_back({place.x, place.y, placed(place.x, place.y, 0, place.turn_deg).inverse(), std::move(*pattern)});
     }
   }
 
   /// Ink or paper at a point of the top; nothing outside the markers.
   [[nodiscard]] std::optional<Rgb8> at(double x, double y) const {
     constexpr double kReach_m = kMarkerSide_m / 2 + kMarkerMargin_m;
+    // Most of the top is bare: no marker, however turned, reaches farther than its diagonal.
+    constexpr double kFarthest_m = kReach_m * std::numbers::sqrt2;
     for (const Print& print : prints_) {
+      if (std::abs(x - print.x) > kFarthest_m || std::abs(y - print.y) > kFarthest_m) continue;
       const Eigen::Vector3d p = print.T_marker_world * Eigen::Vector3d(x, y, 0);
       if (std::abs(p.x()) > kReach_m || std::abs(p.y()) > kReach_m) continue;
       const double column = std::floor((p.x() / kMarkerSide_m + 0.5) * print.pattern.width());
@@ -64,6 +67,7 @@ class MarkerPrint {
   static constexpr Rgb8 kPaper{224, 224, 220};
   static constexpr Rgb8 kInk{26, 26, 28};
   struct Print {
+    double x, y;
     Pose T_marker_world;
     GreyImage pattern;
   };

@@ -32,6 +32,8 @@ ViewCast::ViewCast(const Scene& scene, const Camera& camera, const Pose& T_camer
     if (add_bounds(seen, T_camera_solid)) seen_.push_back(seen);
   }
   std::stable_sort(seen_.begin(), seen_.end(), [](const Seen& a, const Seen& b) { return a.nearest_m < b.nearest_m; });
+  position_.resize(scene.solids.size());
+  for (std::size_t i = 0; i < seen_.size(); ++i) position_[static_cast<std::size_t>(seen_[i].index)] = i;
   fill_tiles();
 }
 
@@ -101,6 +103,14 @@ Hit ViewCast::cast(int tile_column, int tile_row, double u, double v) const {
   hit.solid = nearest->index;
   hit.p_solid = nearest->origin_solid + hit.depth_m * nearest_direction;
   return hit;
+}
+
+Eigen::Vector3d ViewCast::on_flat_face(int solid, int face, double u, double v) const {
+  const Seen& seen = seen_[position_[static_cast<std::size_t>(solid)]];
+  const Eigen::Vector3d direction = seen.R_solid_camera * ray(u, v);
+  const int axis = face / 2;
+  const double plane = face % 2 == 0 ? -seen.half[axis] : seen.half[axis];
+  return seen.origin_solid + (plane - seen.origin_solid[axis]) / direction[axis] * direction;
 }
 
 }  // namespace meshloop::simulation

@@ -33,6 +33,8 @@ class ViewCast {
   [[nodiscard]] int tile_rows() const { return tile_rows_; }
   /// Nearest surface behind the pixel (u, v), which may lie up to half a pixel outside the tile's pixels.
   [[nodiscard]] Hit cast(int tile_column, int tile_row, double u, double v) const;
+  /// Where the ray of a pixel meets the plane of a flat face of a solid that `cast` found, in the solid's frame.
+  [[nodiscard]] Eigen::Vector3d on_flat_face(int solid, int face, double u, double v) const;
   /// Direction of a pixel's ray in the camera frame, with z = 1.
   [[nodiscard]] Eigen::Vector3d ray(double u, double v) const { return camera_.back_project(u, v, 1); }
 
@@ -52,6 +54,8 @@ class ViewCast {
 
   Camera camera_;
   std::vector<Seen> seen_;
+  /// For each solid of the scene its position in seen_; meaningless where it is not seen.
+  std::vector<std::size_t> position_;
   int tile_columns_;
   int tile_rows_;
   /// The solids of tile i are candidates_[first_[i]] to candidates_[first_[i + 1]].
