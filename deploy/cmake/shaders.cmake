@@ -5,7 +5,7 @@ function(meshloop_embed_shaders target)
        ${PROJECT_SOURCE_DIR}/shaders/*.comp)
   set(view ${PROJECT_BINARY_DIR}/include/${target})
   set(header ${view}/shaders/shaders.h)
-  file(GLOB included CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/common/change/*_rule.h)
+  file(GLOB included CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/shaders/*.glsl ${PROJECT_SOURCE_DIR}/common/change/*_rule.h)
   add_custom_command(OUTPUT ${header}
     COMMAND ${CMAKE_COMMAND} -DOUT=${header} -DROOT=${PROJECT_SOURCE_DIR} "-DFILES=${files}"
             -P ${PROJECT_SOURCE_DIR}/deploy/cmake/embed_shaders.cmake
