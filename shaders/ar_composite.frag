@@ -16,6 +16,8 @@ out vec4 picture;
 const float kObjectBias_m = 0.002;
 // Where the model itself keeps the light away the picture is dark already. Measured surfaces are rough.
 const float kModelBias_m = 0.012;
+// A surface that the light touches at a flatter angle has no shadow worth looking for.
+const float kGrazing = 0.02;
 
 vec3 point_at(ivec2 pixel, float depth) {
   return vec3((vec2(pixel) - intrinsics.zw) / intrinsics.xy * depth, depth);
@@ -33,23 +35,18 @@ vec3 step_along(ivec2 pixel, ivec2 direction, vec3 here) {
 }
 
 // Share of the light that the objects take away from the real surface at this pixel.
-float darkness(ivec2 pixel) {
+float darkness(ivec2 pixel, bool wanted) {
   float depth = texelFetch(real_depth, pixel, 0).r;
-  if (depth <= 0.0) return 0.0;
   vec3 here = point_at(pixel, depth);
   vec3 p_world = (world_from_camera * vec4(here, 1.0)).xyz;
-  vec3 p_map = (shadow_from_world * vec4(p_world, 1.0)).xyz;
-  if (any(lessThan(p_map, vec3(0.0))) || any(greaterThan(p_map, vec3(1.0)))) return 0.0;
-
   vec3 normal = cross(step_along(pixel, ivec2(1, 0), here), step_along(pixel, ivec2(0, 1), here));
-  if (dot(normal, normal) < 1e-20) return 0.0;
-  normal = normalize(mat3(world_from_camera) * normal);
+  bool known = wanted && depth > 0.0 && dot(normal, normal) >= 1e-20;
+  normal = known ? normalize(mat3(world_from_camera) * normal) : light_axes[2];
   if (dot(normal, p_world - world_from_camera[3].xyz) > 0.0) normal = -normal;
   float facing = dot(normal, -light_axes[2]);
-  if (facing <= 0.02) return 0.0;
-  float taken = 1.0 - light_share(object_shadow, p_world, normal, kObjectBias_m);
-  if (taken <= 0.0) return 0.0;
-  taken *= light_share(model_shadow, p_world, normal, kModelBias_m);
+
+  float taken = 1.0 - light_share(object_shadow, p_world, normal, kObjectBias_m, known && facing > kGrazing);
+  taken *= light_share(model_shadow, p_world, normal, kModelBias_m, taken > 0.0);
   return taken * kSun * facing / (kSun * facing + kAmbient);
 }
 
@@ -57,7 +54,7 @@ void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec3 seen = texelFetch(camera_picture, pixel, 0).rgb;
   vec4 object = texelFetch(objects, pixel, 0);
-  float dark = object.a < 1.0 ? darkness(pixel) : 0.0;
+  float dark = darkness(pixel, object.a < 1.0);
   if (dark > 0.0) seen = srgb_from_linear(linear_from_srgb(seen) * (1.0 - dark));
   picture = vec4(object.rgb + (1.0 - object.a) * seen, 1.0);
 }

@@ -12,13 +12,13 @@ const float kLightTangent = 0.06;
 const float kFarthestCaster_m = 0.25;
 const int kSearchTaps = 12;
 const int kFilterTaps = 28;
-const float kGoldenAngle = 2.39996323;
+const float kNearSoft_m = 0.004;
+const int kNearTaps = 8;
+// Taps lie on a sunflower's spiral: each is turned from the last by the golden angle.
+const vec2 kFirstDirection = vec2(1.0, 0.0);
+const mat2 kGoldenTurn = mat2(-0.7373688, 0.6754903, -0.6754903, -0.7373688);
 
-vec2 disc_tap(int i, int count) {
-  float radius = sqrt((float(i) + 0.5) / float(count));
-  float angle = float(i) * kGoldenAngle;
-  return radius * vec2(cos(angle), sin(angle));
-}
+float spiral_radius(int i, int count) { return sqrt((float(i) + 0.5) / float(count)); }
 
 // How the depth of a plane with this normal changes along the map's axes, in units of the map.
 vec2 plane_slope(vec3 normal) {
@@ -27,34 +27,59 @@ vec2 plane_slope(vec3 normal) {
   return -n.xy / facing * (shadow_extent_m.x / shadow_extent_m.y);
 }
 
-float light_share(highp sampler2D map, vec3 p_world, vec3 normal, float bias_m) {
+// 1 where `wanted` is false. The loops' bounds are variables for a reason: a software rasteriser runs both sides of an
+// `if` for every pixel, and a loop of fixed length whether its result is wanted or not; a loop of length 0 it skips.
+float light_share(highp sampler2D map, vec3 p_world, vec3 normal, float bias_m, bool wanted) {
   vec3 p = (shadow_from_world * vec4(p_world, 1.0)).xyz;
-  if (any(lessThan(p, vec3(0.0))) || any(greaterThan(p, vec3(1.0)))) return 1.0;
+  bool inside = all(greaterThanEqual(p, vec3(0.0))) && all(lessThanEqual(p, vec3(1.0)));
   vec2 slope = plane_slope(normal);
   float bias = bias_m / shadow_extent_m.y;
   float texel = 1.0 / float(textureSize(map, 0).x);
 
   float search = kLightTangent * kFarthestCaster_m / shadow_extent_m.x;
-  float casters = 0.0;
+  int search_taps = wanted && inside ? kSearchTaps : 0;
+  int casters = 0;
   float caster_depth = 0.0;
-  for (int i = 0; i < kSearchTaps; ++i) {
-    vec2 tap = disc_tap(i, kSearchTaps) * search;
+  vec2 direction = kFirstDirection;
+  for (int i = 0; i < search_taps; ++i) {
+    vec2 tap = direction * (spiral_radius(i, kSearchTaps) * search);
+    direction = kGoldenTurn * direction;
     float depth = textureLod(map, p.xy + tap, 0.0).r;
     if (depth < p.z + dot(slope, tap) - bias) {
-      casters += 1.0;
+      ++casters;
       caster_depth += depth;
     }
   }
-  if (casters < 0.5) return 1.0;
-
-  float above_m = (p.z - caster_depth / casters) * shadow_extent_m.y;
+  float above_m = (p.z - caster_depth / float(max(casters, 1))) * shadow_extent_m.y;
   float radius = clamp(kLightTangent * above_m / shadow_extent_m.x, 1.5 * texel, search);
+
+  // Within the search's circle: all of it dark, or all of it lit, needs no closer look.
+  int filter_taps = casters > 0 && casters < kSearchTaps ? kFilterTaps : 0;
+  int lit = 0;
+  direction = kFirstDirection;
+  for (int i = 0; i < filter_taps; ++i) {
+    vec2 tap = direction * (spiral_radius(i, kFilterTaps) * radius);
+    direction = kGoldenTurn * direction;
+    lit += textureLod(map, p.xy + tap, 0.0).r < p.z + dot(slope, tap) - bias ? 0 : 1;
+  }
+  if (filter_taps > 0) return float(lit) / float(kFilterTaps);
+  return casters > 0 ? 0.0 : 1.0;
+}
+
+// A cheaper one for the objects' own faces: of one softness, whose few taps are always taken.
+float near_light_share(highp sampler2D map, vec3 p_world, vec3 normal, float bias_m) {
+  vec3 p = (shadow_from_world * vec4(p_world, 1.0)).xyz;
+  vec2 slope = plane_slope(normal);
+  float bias = bias_m / shadow_extent_m.y;
+  float radius = max(kNearSoft_m / shadow_extent_m.x, 1.5 / float(textureSize(map, 0).x));
   float lit = 0.0;
-  for (int i = 0; i < kFilterTaps; ++i) {
-    vec2 tap = disc_tap(i, kFilterTaps) * radius;
+  vec2 direction = kFirstDirection;
+  for (int i = 0; i < kNearTaps; ++i) {
+    vec2 tap = direction * (spiral_radius(i, kNearTaps) * radius);
+    direction = kGoldenTurn * direction;
     lit += textureLod(map, p.xy + tap, 0.0).r < p.z + dot(slope, tap) - bias ? 0.0 : 1.0;
   }
-  return lit / float(kFilterTaps);
+  return lit / float(kNearTaps);
 }
 
 vec3 linear_from_srgb(vec3 c) { return pow(c, vec3(2.2)); }

@@ -57,11 +57,9 @@ void main() {
   if (dot(n, to_eye) < -0.2) n = -n;
   vec3 to_light = -light_axes[2];
   float facing = dot(n, to_light);
-  float lit = 0.0;
-  if (facing > 0.0) {
-    lit = facing * light_share(object_shadow, p_world, n, kObjectBias_m) *
-          light_share(model_shadow, p_world, n, kModelBias_m);
-  }
+  float lit = max(facing, 0.0);
+  lit *= near_light_share(object_shadow, p_world, n, kObjectBias_m);
+  lit *= near_light_share(model_shadow, p_world, n, kModelBias_m);
   vec3 base = linear_from_srgb(albedo);
   vec3 light = kAmbient * mix(kGround, kSky, 0.5 + 0.5 * n.z) + kSun * lit;
   vec3 shine = vec3(lit > 0.0 ? highlight(n, to_light, to_eye) * lit : 0.0);

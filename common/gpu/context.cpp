@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/gpu/mesh_cache.h"
+
 namespace meshloop {
 
 struct GpuContext::Handles {
@@ -194,9 +196,12 @@ Result<std::unique_ptr<GpuContext>> GpuContext::create_headless() {
 }
 
 GpuContext::GpuContext(std::unique_ptr<Handles> handles, std::string description)
-    : handles_{std::move(handles)}, description_{std::move(description)} {}
+    : handles_{std::move(handles)}, meshes_{std::make_unique<MeshCache>()}, description_{std::move(description)} {}
 
-GpuContext::~GpuContext() = default;
+GpuContext::~GpuContext() {
+  make_current();
+  meshes_.reset();
+}
 
 void GpuContext::make_current() const {
   if (eglGetCurrentContext() == handles_->context) return;

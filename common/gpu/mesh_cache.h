@@ -3,6 +3,7 @@
 #include <memory>
 #include <unordered_map>
 
+#include "common/gpu/chunks.h"
 #include "common/gpu/gl_objects.h"
 #include "common/mesh/model.h"
 
@@ -18,12 +19,18 @@ struct GpuMesh {
   bool has_colors = false;
   /// In the node's frame.
   Eigen::AlignedBox3f bounds;
+  /// All of the indices, in order.
+  std::vector<Chunk> chunks;
 };
 
-/// Keeps the submeshes of the present model on the GPU. A submesh is uploaded once, however many revisions share it.
+/// Draws the mesh with the program and the uniforms that are set, without the chunks that lie outside the view of the
+/// matrix for certain.
+void draw_visible(const GpuMesh& mesh, const Eigen::Matrix4d& clip_from_mesh);
+
+/// Keeps submeshes on the GPU, uploaded once however many revisions and renderers share them (GpuContext has one).
 /// Vertex attributes: 0 position (vec3), 1 colour (normalised RGB8; alpha reads 1). Where has_colors is false attribute
-/// 1 is not an array: its value is the context's own (glVertexAttrib4f). Indices are GL_UNSIGNED_INT. One thread, that
-/// of the context, which must be current in every call and at the end.
+/// 1 is not an array: its value is the context's own (glVertexAttrib4f). Indices are GL_UNSIGNED_INT, in an order of
+/// the cache's own. One thread, that of the context, which must be current in every call and at the end.
 class MeshCache {
  public:
   MeshCache() = default;
@@ -31,7 +38,8 @@ class MeshCache {
   MeshCache(const MeshCache&) = delete;
   MeshCache& operator=(const MeshCache&) = delete;
 
-  /// Uploads what is new in the model and frees what is no longer in it. Nodes without a submesh are left out.
+  /// Uploads what is new in the model, and frees what nobody but the cache holds any more. Nodes without a submesh are
+  /// left out.
   void update(const Model& model);
   /// The node's mesh; `update` must have seen its model. A mesh of no triangles for a node that it has not seen.
   [[nodiscard]] const GpuMesh& mesh_of(const Node& node) const;
@@ -47,7 +55,6 @@ class MeshCache {
     Buffer colors;
     Buffer indices;
     GpuMesh mesh;
-    bool used = true;
   };
   std::unordered_map<const Submesh*, Entry> entries_;
 };

@@ -16,6 +16,15 @@ Eigen::Matrix4d clip_from_camera(const Camera& camera, double near_m, double far
   return clip;
 }
 
+Eigen::Matrix4d clip_of_part(const ScreenArea& part, const Camera& camera) {
+  Eigen::Matrix4d clip = Eigen::Matrix4d::Identity();
+  clip(0, 0) = static_cast<double>(camera.width) / part.width;
+  clip(0, 3) = (camera.width - 2.0 * part.x) / part.width - 1;
+  clip(1, 1) = static_cast<double>(camera.height) / part.height;
+  clip(1, 3) = (camera.height - 2.0 * part.y) / part.height - 1;
+  return clip;
+}
+
 bool is_outside_view(const Eigen::Matrix4d& clip_from_frame, const Eigen::AlignedBox3f& bounds) {
   if (bounds.isEmpty()) return true;
   std::array<int, 6> outside{};

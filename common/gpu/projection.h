@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 
 #include "common/geometry/camera.h"
+#include "common/gpu/screen_area.h"
 
 namespace meshloop {
 
@@ -10,6 +11,9 @@ namespace meshloop {
 /// of texel (u, v): normalised y grows with the row, so that row 0 of a texture is row 0 of the image. The clip
 /// coordinate w is the depth z in metres.
 [[nodiscard]] Eigen::Matrix4d clip_from_camera(const Camera& camera, double near_m, double far_m);
+
+/// From the clip space of the whole picture to that of a part of it, for leaving out what lies beside the part.
+[[nodiscard]] Eigen::Matrix4d clip_of_part(const ScreenArea& part, const Camera& camera);
 
 /// True when the box, in the frame on the right of the matrix, lies outside one face of the view for certain.
 [[nodiscard]] bool is_outside_view(const Eigen::Matrix4d& clip_from_frame, const Eigen::AlignedBox3f& bounds);

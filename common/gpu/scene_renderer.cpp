@@ -36,8 +36,13 @@ struct Targets {
     attach(GL_COLOR_ATTACHMENT1, node);
     attach(GL_COLOR_ATTACHMENT2, color);
     attach(GL_DEPTH_ATTACHMENT, z_buffer);
-    const std::array<GLenum, 3> buffers{GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
-    glDrawBuffers(static_cast<GLsizei>(buffers.size()), buffers.data());
+  }
+
+  /// Binds them for drawing.
+  void bind(bool depth_only) const {
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
+    constexpr std::array<GLenum, 3> kAll{GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
+    glDrawBuffers(depth_only ? 1 : static_cast<GLsizei>(kAll.size()), kAll.data());
   }
 
  private:
@@ -66,34 +71,41 @@ class GlSceneRenderer final : public SceneRenderer {
   [[nodiscard]] ColorImage read_color(GreyImage* mask) override;
 
  private:
-  void prepare(const Camera& camera);
+  void prepare(const SceneView& view);
   void draw_nodes(const Model& model, const SceneView& view) const;
 
   GpuContext& context_;
   Program program_;
-  MeshCache cache_;
   Targets targets_;
 };
 
-void clear_targets() {
+void clear_targets(bool depth_only) {
   constexpr std::array<float, 4> kNoDepth{0, 0, 0, 0};
   constexpr std::array<GLuint, 4> kNoNode{0, 0, 0, 0};
   constexpr std::array<float, 4> kNoColor{0, 0, 0, 0};
   constexpr float kFarthest = 1;
   glClearBufferfv(GL_COLOR, 0, kNoDepth.data());
+  glClearBufferfv(GL_DEPTH, 0, &kFarthest);
+  if (depth_only) return;
   glClearBufferuiv(GL_COLOR, 1, kNoNode.data());
   glClearBufferfv(GL_COLOR, 2, kNoColor.data());
-  glClearBufferfv(GL_DEPTH, 0, &kFarthest);
 }
 
 // Everything that the drawing depends on is set here: the context is shared with other drawing.
-void GlSceneRenderer::prepare(const Camera& camera) {
+void GlSceneRenderer::prepare(const SceneView& view) {
+  const Camera& camera = view.camera;
   if (camera.width != targets_.width || camera.height != targets_.height) {
     targets_ = Targets(camera.width, camera.height);
   }
-  glBindFramebuffer(GL_FRAMEBUFFER, targets_.framebuffer.name());
+  targets_.bind(view.depth_only);
   glViewport(0, 0, targets_.width, targets_.height);
-  for (const GLenum off : {GL_SCISSOR_TEST, GL_CULL_FACE, GL_BLEND, GL_STENCIL_TEST, GL_DITHER, GL_POLYGON_OFFSET_FILL,
+  if (view.area) {
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(view.area->x, view.area->y, view.area->width, view.area->height);
+  } else {
+    glDisable(GL_SCISSOR_TEST);
+  }
+  for (const GLenum off : {GL_CULL_FACE, GL_BLEND, GL_STENCIL_TEST, GL_DITHER, GL_POLYGON_OFFSET_FILL,
                            GL_RASTERIZER_DISCARD, GL_SAMPLE_ALPHA_TO_COVERAGE}) {
     glDisable(off);
   }
@@ -106,30 +118,31 @@ void GlSceneRenderer::prepare(const Camera& camera) {
 
 void GlSceneRenderer::render(const Model& model, const SceneView& view) {
   context_.make_current();
-  prepare(view.camera);
-  cache_.update(model);
-  clear_targets();
+  prepare(view);
+  context_.meshes().update(model);
+  clear_targets(view.depth_only);
   draw_nodes(model, view);
   glBindVertexArray(0);
+  glDisable(GL_SCISSOR_TEST);
   glFlush();
 }
 
 void GlSceneRenderer::draw_nodes(const Model& model, const SceneView& view) const {
   const Eigen::Matrix4d clip_from_world =
       clip_from_camera(view.camera, view.near_m, view.far_m) * view.T_camera_world.matrix();
+  const Eigen::Matrix4d part_from_clip =
+      view.area ? clip_of_part(*view.area, view.camera) : Eigen::Matrix4d::Identity();
   program_.use();
   glVertexAttrib4f(kColorAttribute, 0.5F, 0.5F, 0.5F, 0.5F);
   for (std::size_t i = 0; i < model.nodes.size(); ++i) {
     const Node& node = model.nodes[i];
-    const GpuMesh& mesh = cache_.mesh_of(node);
+    const GpuMesh& mesh = context_.meshes().mesh_of(node);
     // The product is made in double: a float camera far from the origin would move what it sees.
     const Eigen::Matrix4d clip_from_node = clip_from_world * node.T_world_node.matrix();
-    if (mesh.index_count == 0 || is_outside_view(clip_from_node, mesh.bounds)) continue;
     const Eigen::Matrix4f matrix = clip_from_node.cast<float>();
     glUniformMatrix4fv(kClipFromNode, 1, GL_FALSE, matrix.data());
     glUniform1ui(kNodeIndex, static_cast<GLuint>(i + 1));
-    glBindVertexArray(mesh.vertex_array);
-    glDrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
+    draw_visible(mesh, part_from_clip * clip_from_node);
   }
 }
 
@@ -174,6 +187,7 @@ Result<std::unique_ptr<SceneRenderer>> SceneRenderer::create(GpuContext& context
   auto program = Program::create(shaders::scene_vert, shaders::scene_frag);
   if (!program) return fail("preparing the scene renderer", program.error());
   Targets targets(kFirstSize, kFirstSize);
+  targets.bind(false);
   if (auto usable = check_framebuffer("float depth images"); !usable) return fail(usable.error());
   return std::unique_ptr<SceneRenderer>{
       std::make_unique<GlSceneRenderer>(context, std::move(*program), std::move(targets))};

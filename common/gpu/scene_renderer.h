@@ -1,12 +1,14 @@
 #pragma once
 // Draws the model as a depth, node and colour image from a pinhole camera.
 #include <memory>
+#include <optional>
 
 #include "common/base/result.h"
 #include "common/geometry/camera.h"
 #include "common/geometry/pose.h"
 #include "common/gpu/context.h"
 #include "common/gpu/mesh_cache.h"
+#include "common/gpu/screen_area.h"
 #include "common/image/image.h"
 #include "common/mesh/model.h"
 
@@ -19,6 +21,10 @@ struct SceneView {
   /// Metres along the optical axis.
   float near_m = 0.05f;
   float far_m = 50.0f;
+  /// Only these pixels are drawn when it is given; what the textures hold elsewhere is left open.
+  std::optional<ScreenArea> area = std::nullopt;
+  /// The node and the colour texture are left alone, which saves a part of the time.
+  bool depth_only = false;
 };
 
 /// Renders into its own targets, which grow to the camera's size. One thread, that of the context.

@@ -8,6 +8,7 @@
 #include "common/gpu/gl_objects.h"
 #include "common/gpu/projection.h"
 #include "common/gpu/scene_renderer.h"
+#include "common/gpu/screen_area.h"
 #include "device/draw/hud.h"
 #include "device/draw/object_cache.h"
 #include "device/draw/shadow_maps.h"
@@ -19,6 +20,7 @@ namespace {
 constexpr int kSamples = 4;
 constexpr float kNear_m = 0.02f;
 constexpr float kFar_m = 50.0f;
+constexpr std::array<float, 4> kNothing{0, 0, 0, 0};
 // Uniform locations, as in the shaders.
 constexpr GLint kWorldFromObject = 0;
 constexpr GLint kCameraFromObject = 1;
@@ -76,6 +78,12 @@ void bind_texture(GLuint unit, GLuint texture) {
   glBindTexture(GL_TEXTURE_2D, texture);
 }
 
+/// Only this part of the picture is drawn from here on.
+void restrict_to(const ScreenArea& area) {
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(area.x, area.y, area.width, area.height);
+}
+
 void set_matrix(GLint location, const Eigen::Matrix4d& matrix) {
   const Eigen::Matrix4f values = matrix.cast<float>();
   glUniformMatrix4fv(location, 1, GL_FALSE, values.data());
@@ -87,6 +95,31 @@ void set_light(const ShadowBox& box) {
   const Eigen::Matrix3f axes = box.axes.cast<float>();
   glUniformMatrix3fv(kLightAxes, 1, GL_FALSE, axes.data());
   glUniform2f(kShadowExtent, static_cast<float>(2 * box.half_width_m), static_cast<float>(box.far_m - box.near_m));
+}
+
+void upload_part(const Texture& texture, const ColorImage& picture, const ScreenArea& area) {
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, texture.name());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, picture.width());
+  glTexSubImage2D(GL_TEXTURE_2D, 0, area.x, area.y, area.width, area.height, GL_RGB, GL_UNSIGNED_BYTE,
+                  &picture(area.x, area.y));
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+}
+
+void read_part(const Framebuffer& source, ColorImage& picture, const ScreenArea& area) {
+  Image<std::array<std::uint8_t, 4>> rgba{area.width, area.height};
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, source.name());
+  glReadBuffer(GL_COLOR_ATTACHMENT0);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  glReadPixels(area.x, area.y, area.width, area.height, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data());
+  for (int y = 0; y < area.height; ++y) {
+    for (int x = 0; x < area.width; ++x) {
+      const auto& [r, g, b, a] = rgba(x, y);
+      picture(area.x + x, area.y + y) = {r, g, b};
+    }
+  }
 }
 
 class GlArRenderer final : public ArRenderer {
@@ -109,9 +142,10 @@ class GlArRenderer final : public ArRenderer {
  private:
   void augment(const ArFrame& frame, const std::vector<const VirtualObject*>& objects, ColorImage& picture);
   void bind_scene() const;
-  void draw_layer(const ArFrame& frame, const std::vector<const VirtualObject*>& objects) const;
+  [[nodiscard]] ScreenArea area_of(const ArFrame& frame, const std::vector<const VirtualObject*>& objects) const;
+  void draw_layer(const ArFrame& frame, const std::vector<const VirtualObject*>& objects,
+                  const ScreenArea& objects_area, const ScreenArea& area) const;
   void compose(const ArFrame& frame) const;
-  void read_into(ColorImage& picture) const;
 
   GpuContext& context_;
   Parts parts_;
@@ -144,21 +178,36 @@ void GlArRenderer::augment(const ArFrame& frame, const std::vector<const Virtual
   if (picture.width() != parts_.targets.width || picture.height() != parts_.targets.height) {
     parts_.targets = Targets{picture.width(), picture.height()};
   }
+  parts_.shadows.update(model, objects, object_cache_, context_.meshes());
+  // Outside this part the picture stays as it is, and nothing is drawn, sent or read back there.
+  const ScreenArea objects_area = area_of(frame, objects);
+  const ScreenArea area = joined(
+      objects_area, area_of_hull(parts_.shadows.box().shaded_corners(), frame.camera, frame.T_camera_world, kNear_m));
+  if (area.empty()) return;
   SceneView view;
   view.camera = frame.camera;
   view.T_camera_world = frame.T_camera_world;
+  view.area = area;
+  view.depth_only = true;
   parts_.scene->render(model, view);
-  parts_.shadows.update(model, objects, object_cache_);
 
-  glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_2D, parts_.targets.camera_picture.name());
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, picture.width(), picture.height(), GL_RGB, GL_UNSIGNED_BYTE, picture.data());
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  upload_part(parts_.targets.camera_picture, picture, area);
   glViewport(0, 0, picture.width(), picture.height());
-  draw_layer(frame, objects);
+  draw_layer(frame, objects, objects_area, area);
+  restrict_to(area);
   compose(frame);
-  read_into(picture);
+  glDisable(GL_SCISSOR_TEST);
+  read_part(parts_.targets.picture_target, picture, area);
+}
+
+ScreenArea GlArRenderer::area_of(const ArFrame& frame, const std::vector<const VirtualObject*>& objects) const {
+  ScreenArea area;
+  for (const auto* object : objects) {
+    std::vector<Eigen::Vector3d> corners;
+    append_corners(corners, object_cache_.mesh_of(*object).bounds, object->T_world_object);
+    area = joined(area, area_of_hull(corners, frame.camera, frame.T_camera_world, kNear_m));
+  }
+  return area;
 }
 
 void GlArRenderer::bind_scene() const {
@@ -168,10 +217,15 @@ void GlArRenderer::bind_scene() const {
   set_light(parts_.shadows.box());
 }
 
-void GlArRenderer::draw_layer(const ArFrame& frame, const std::vector<const VirtualObject*>& objects) const {
+void GlArRenderer::draw_layer(const ArFrame& frame, const std::vector<const VirtualObject*>& objects,
+                              const ScreenArea& objects_area, const ScreenArea& area) const {
   const Targets& targets = parts_.targets;
+  restrict_to(area);
+  glBindFramebuffer(GL_FRAMEBUFFER, targets.layer_target.name());
+  glClearBufferfv(GL_COLOR, 0, kNothing.data());
+  if (objects_area.empty()) return;
+  restrict_to(objects_area);
   glBindFramebuffer(GL_FRAMEBUFFER, targets.layer_samples_target.name());
-  constexpr std::array<float, 4> kNothing{0, 0, 0, 0};
   constexpr float kFarthest = 1;
   glEnable(GL_DEPTH_TEST);
   glDepthMask(GL_TRUE);
@@ -194,8 +248,10 @@ void GlArRenderer::draw_layer(const ArFrame& frame, const std::vector<const Virt
   }
   glBindFramebuffer(GL_READ_FRAMEBUFFER, targets.layer_samples_target.name());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, targets.layer_target.name());
-  glBlitFramebuffer(0, 0, targets.width, targets.height, 0, 0, targets.width, targets.height, GL_COLOR_BUFFER_BIT,
-                    GL_NEAREST);
+  const GLint right = objects_area.x + objects_area.width;
+  const GLint bottom = objects_area.y + objects_area.height;
+  glBlitFramebuffer(objects_area.x, objects_area.y, right, bottom, objects_area.x, objects_area.y, right, bottom,
+                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
 void GlArRenderer::compose(const ArFrame& frame) const {
@@ -212,18 +268,6 @@ void GlArRenderer::compose(const ArFrame& frame) const {
   glBindVertexArray(no_vertices_.name());
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glBindVertexArray(0);
-}
-
-void GlArRenderer::read_into(ColorImage& picture) const {
-  Image<std::array<std::uint8_t, 4>> rgba{picture.width(), picture.height()};
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, parts_.targets.picture_target.name());
-  glReadBuffer(GL_COLOR_ATTACHMENT0);
-  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-  glReadPixels(0, 0, picture.width(), picture.height(), GL_RGBA, GL_UNSIGNED_BYTE, rgba.data());
-  for (std::size_t i = 0; i < picture.size(); ++i) {
-    const auto& [r, g, b, a] = rgba.pixels()[i];
-    picture.pixels()[i] = {r, g, b};
-  }
 }
 
 }  // namespace

@@ -57,6 +57,7 @@ ShadowBox box_around(const Model& model, const std::vector<const VirtualObject*>
   for (const auto* object : objects) {
     reach.extend(cache.mesh_of(*object).bounds, object->T_world_object, box.centre, direction);
   }
+  box.first_caster_m = std::max(reach.nearest, -kFarthest_m) - kMargin_m;
   for (const auto& node : model.nodes) {
     const GpuMesh& mesh = model_meshes.mesh_of(node);
     if (mesh.index_count > 0) reach.extend(mesh.bounds, node.T_world_node, box.centre, direction);
@@ -82,11 +83,9 @@ void begin_map(const Framebuffer& framebuffer, const Texture& map) {
   glClearBufferfv(GL_DEPTH, 0, &farthest);
 }
 
-void draw_mesh(GLuint vertex_array, GLsizei index_count, const Eigen::Matrix4d& clip_from_mesh) {
+void set_place(const Eigen::Matrix4d& clip_from_mesh) {
   const Eigen::Matrix4f matrix = clip_from_mesh.cast<float>();
   glUniformMatrix4fv(kClipFromMesh, 1, GL_FALSE, matrix.data());
-  glBindVertexArray(vertex_array);
-  glDrawElements(GL_TRIANGLES, index_count, GL_UNSIGNED_INT, nullptr);
 }
 
 }  // namespace
@@ -105,11 +104,20 @@ Eigen::Matrix4d ShadowBox::clip_from_world() const {
   return clip;
 }
 
+std::vector<Eigen::Vector3d> ShadowBox::shaded_corners() const {
+  std::vector<Eigen::Vector3d> corners;
+  for (const double x : {-half_width_m, half_width_m}) {
+    for (const double y : {-half_width_m, half_width_m}) {
+      for (const double z : {first_caster_m, far_m}) corners.emplace_back(centre + axes * Eigen::Vector3d{x, y, z});
+    }
+  }
+  return corners;
+}
+
 ShadowMaps::ShadowMaps(Program program)
     : program_{std::move(program)},
       of_objects_{make_texture(GL_DEPTH_COMPONENT32F, kSize, kSize)},
-      of_model_{make_texture(GL_DEPTH_COMPONENT32F, kSize, kSize)},
-      model_meshes_{std::make_unique<MeshCache>()} {}
+      of_model_{make_texture(GL_DEPTH_COMPONENT32F, kSize, kSize)} {}
 
 Result<ShadowMaps> ShadowMaps::create() {
   auto program = Program::create(shaders::ar_shadow_vert, shaders::ar_shadow_frag);
@@ -124,31 +132,33 @@ void ShadowMaps::draw_objects(const std::vector<const VirtualObject*>& objects, 
   begin_map(framebuffer_, of_objects_);
   for (const auto* object : objects) {
     const ObjectMesh& mesh = cache.mesh_of(*object);
-    draw_mesh(mesh.vertex_array.name(), mesh.index_count, box_.clip_from_world() * object->T_world_object.matrix());
+    set_place(box_.clip_from_world() * object->T_world_object.matrix());
+    glBindVertexArray(mesh.vertex_array.name());
+    glDrawElements(GL_TRIANGLES, mesh.index_count, GL_UNSIGNED_INT, nullptr);
   }
 }
 
-void ShadowMaps::draw_model(const Model& model) const {
+void ShadowMaps::draw_model(const Model& model, const MeshCache& model_meshes) const {
   begin_map(framebuffer_, of_model_);
   for (const auto& node : model.nodes) {
-    const GpuMesh& mesh = model_meshes_->mesh_of(node);
-    if (mesh.index_count == 0) continue;
-    draw_mesh(mesh.vertex_array, mesh.index_count, box_.clip_from_world() * node.T_world_node.matrix());
+    const Eigen::Matrix4d clip_from_node = box_.clip_from_world() * node.T_world_node.matrix();
+    set_place(clip_from_node);
+    draw_visible(model_meshes.mesh_of(node), clip_from_node);
   }
 }
 
-void ShadowMaps::update(const Model& model, const std::vector<const VirtualObject*>& objects,
-                        const ObjectCache& cache) {
+void ShadowMaps::update(const Model& model, const std::vector<const VirtualObject*>& objects, const ObjectCache& cache,
+                        MeshCache& model_meshes) {
   Content objects_content;
   for (const auto* object : objects) objects_content.emplace_back(object->submesh, object->T_world_object.matrix());
   Content model_content;
   for (const auto& node : model.nodes) model_content.emplace_back(node.submesh, node.T_world_node.matrix());
   if (drawn_ > 0 && objects_content == objects_content_ && model_content == model_content_) return;
-  model_meshes_->update(model);
-  box_ = box_around(model, objects, cache, *model_meshes_);
+  model_meshes.update(model);
+  box_ = box_around(model, objects, cache, model_meshes);
   program_.use();
   draw_objects(objects, cache);
-  draw_model(model);
+  draw_model(model, model_meshes);
   glBindVertexArray(0);
   objects_content_ = std::move(objects_content);
   model_content_ = std::move(model_content);

@@ -26,6 +26,10 @@ struct ShadowBox {
   double far_m = 0;
 
   [[nodiscard]] Eigen::Matrix4d clip_from_world() const;
+  /// The nearest of the objects, along the light: only what lies farther can be in their shadow.
+  double first_caster_m = 0;
+  /// Of the part behind the first caster, in the world: all that the objects can shade lies between them.
+  [[nodiscard]] std::vector<Eigen::Vector3d> shaded_corners() const;
 };
 
 /// Both maps have one size and one box. They are drawn anew only when the objects or the model have changed: they do
@@ -34,7 +38,8 @@ class ShadowMaps {
  public:
   static Result<ShadowMaps> create();
 
-  void update(const Model& model, const std::vector<const VirtualObject*>& objects, const ObjectCache& cache);
+  void update(const Model& model, const std::vector<const VirtualObject*>& objects, const ObjectCache& cache,
+              MeshCache& model_meshes);
 
   [[nodiscard]] const Texture& of_objects() const { return of_objects_; }
   [[nodiscard]] const Texture& of_model() const { return of_model_; }
@@ -48,13 +53,12 @@ class ShadowMaps {
 
   explicit ShadowMaps(Program program);
   void draw_objects(const std::vector<const VirtualObject*>& objects, const ObjectCache& cache) const;
-  void draw_model(const Model& model) const;
+  void draw_model(const Model& model, const MeshCache& model_meshes) const;
 
   Program program_;
   Texture of_objects_;
   Texture of_model_;
   Framebuffer framebuffer_;
-  std::unique_ptr<MeshCache> model_meshes_;
   ShadowBox box_;
   Content objects_content_;
   Content model_content_;

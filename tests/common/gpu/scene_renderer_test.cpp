@@ -237,7 +237,28 @@ TEST_F(SceneRendererTest, NodesOutsideTheViewLeaveTheOthersAlone) {
   EXPECT_EQ(renderer_->read_nodes()(30, 24), 3U);
 }
 
-TEST(MeshCache, UploadsASharedSubmeshOnceAndFreesWhatIsGone) {
+TEST_F(SceneRendererTest, APartAloneIsDrawnAsInTheWholePicture) {
+  // Two squares, so that one of them lies beside the part and is left out.
+  auto model = model_of({facing_square(0.2F, 1), facing_square(0.2F, 2)});
+  model.nodes[1].T_world_node.translation() = Eigen::Vector3d(0.5, 0, 0);
+  render(model);
+  const auto depth = renderer_->read_depth();
+  const auto nodes = renderer_->read_nodes();
+  view_.area = ScreenArea{20, 10, 17, 30};
+  view_.depth_only = true;
+  renderer_->render(model, view_);
+  const auto part = renderer_->read_depth();
+  for (int v = 10; v < 40; ++v) {
+    for (int u = 20; u < 37; ++u) ASSERT_EQ(part(u, v), depth(u, v)) << u << ", " << v;
+  }
+  EXPECT_EQ(renderer_->read_nodes(), nodes) << "depth_only must leave the nodes alone";
+  view_.area.reset();
+  view_.depth_only = false;
+  renderer_->render(model, view_);
+  EXPECT_EQ(renderer_->read_depth(), depth);
+}
+
+TEST(MeshCache, UploadsASharedSubmeshOnceAndFreesWhatNobodyHolds) {
   auto context = GpuContext::create_headless();
   ASSERT_TRUE(context);
   MeshCache cache;
@@ -251,10 +272,13 @@ TEST(MeshCache, UploadsASharedSubmeshOnceAndFreesWhatIsGone) {
   Model next;
   next.nodes.push_back(model.nodes[1]);
   cache.update(next);
+  EXPECT_EQ(cache.size(), 2U) << "the first model may still be drawn";
+  model = {};
+  cache.update(next);
   EXPECT_EQ(cache.size(), 1U);
-  EXPECT_EQ(cache.mesh_of(model.nodes[1]).position_buffer, kept);
+  EXPECT_EQ(cache.mesh_of(next.nodes[0]).position_buffer, kept);
   EXPECT_FALSE(glIsBuffer(freed));
-  EXPECT_EQ(cache.mesh_of(model.nodes[0]).index_count, 0);
+  EXPECT_EQ(cache.mesh_of(Node{}).index_count, 0);
 }
 
 }  // namespace
