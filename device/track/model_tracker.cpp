@@ -103,6 +103,11 @@ std::optional<Alignment> FeatureModelTracker::go_on(const Model& model, const Pi
   if (!pose) return found_from(model, picture, prediction);
 
   auto found = align_closely(*renderer_, model, camera_, picture, pose->T_camera_world, followed);
+  if (!found || found->agreeing_share() < kShareToStart) {
+    // What is followed may lie on something that the model does not have; the model itself then says so.
+    auto without = align_closely(*renderer_, model, camera_, picture, prediction, {});
+    if (without && (!found || without->agreeing_share() > found->agreeing_share())) found = std::move(without);
+  }
   if (!found) return std::nullopt;
   doubtful_frames_ = found->agreeing_share() < kShareToGoOn ? doubtful_frames_ + 1 : 0;
   if (doubtful_frames_ > kMaxDoubtfulFrames) return std::nullopt;
