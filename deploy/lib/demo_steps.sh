@@ -2,7 +2,7 @@
 bin=$root/build/release/bin
 domain=$((1 + $$ % 200)) # so that two demos on one machine do not mix
 
-say() { printf '%s\n' "== $*"; }
+say() { printf '== %3s s  %s\n' "$SECONDS" "$*"; }
 stop() { printf 'demo: %s\n' "$*" >&2; exit 1; }
 
 build_programs() {

@@ -79,7 +79,6 @@ def collect(out):
     detect, runs = detection(out)
     delays = accept_to_drawn(revisions, device)
     adjustments = tracking(out)
-    last = adjustments[-1]
     report = {
         "detect": detect,
         "adjust": {
@@ -97,7 +96,9 @@ def collect(out):
         "device": {"revision": device["revision"], "rejected": device["rejected"], "lost": device["lost"],
                    "frames": len(device["frames"])},
         "track": {
-            "mean_error_m": {"before": last["before"]["mean_error_m"], "after": last["after"]["mean_error_m"]},
+            # The model that the loop began with on the first circle, the model that it ended with on the last.
+            "mean_error_m": {"before": adjustments[0]["before"]["mean_error_m"],
+                             "after": adjustments[-1]["after"]["mean_error_m"]},
             "lost_frames": sum(a["after"]["lost"] for a in adjustments),
             "adjustments": adjustments,
             "station_lost_frames": sum(1 for e in events if e["event"] == "frame" and e["state"] == "lost"),

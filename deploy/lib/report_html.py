@@ -54,7 +54,7 @@ def summary_rows(report):
         ("bytes published (Draco) / uncompressed",
          f"{publish['bytes']} / {publish['raw_bytes']} ({percent(size, 1)})"),
         ("from acceptance to drawn on the device, slowest revision", number(publish["accept_to_drawn_ms"], " ms", 0)),
-        ("mean tracking error before / after the last adjustment",
+        ("mean tracking error with the first / the adjusted model",
          f"{millimetres(track['mean_error_m']['before'])} / {millimetres(track['mean_error_m']['after'])}"),
         ("lost frames while tracking the adjusted models", str(track["lost_frames"])),
     ]
@@ -118,10 +118,14 @@ def first_and_last(folder, pattern):
     return (files[0], files[-1]) if files else (None, None)
 
 
-def sample_view(out, name):
-    """The augmented view of one frame, a third along the path: enough to see what the adjustment changed."""
-    files = sorted((out / "views" / name).glob("*.png"))
-    return files[len(files) // 3] if files else None
+# Where along the device's path the box stands between its camera and the lighthouse: behind its middle, behind its edge.
+VIEW_AT = {"insertion": 5 / 6, "move": 13 / 18}
+
+
+def sample_view(out, name, when):
+    """The augmented view of one frame, in which one sees what the adjustment changed."""
+    files = sorted((out / "views" / f"{name}_{when}").glob("*.png"))
+    return files[int(len(files) * VIEW_AT[name])] if files else None
 
 
 def overlays(out, report):
@@ -140,7 +144,7 @@ def views(out, report):
     text = []
     for a in report["track"]["adjustments"]:
         for when in ("before", "after"):
-            text.append(picture(sample_view(out, f"{a['name']}_{when}"), f"{a['what']}: {when}"))
+            text.append(picture(sample_view(out, a["name"], when), f"{a['what']}: {when}"))
     return "".join(text)
 
 
@@ -149,9 +153,9 @@ def render(out, report, runs):
     truths = sorted((out / "data").glob("device_*/groundtruth.txt"))
     if truths:
         curves.append(("true path", "#888", positions(truths[-1])))
-    last = report["track"]["adjustments"][-1]["name"]
-    curves.append(("tracked, model before the adjustment", "#d55e00", positions(out / "views" / f"{last}_before.txt")))
-    curves.append(("tracked, model after the adjustment", "#0072b2", positions(out / "views" / f"{last}_after.txt")))
+    first = report["track"]["adjustments"][0]["name"]
+    curves.append(("tracked, model before the adjustment", "#d55e00", positions(out / "views" / f"{first}_before.txt")))
+    curves.append(("tracked, model after the adjustment", "#0072b2", positions(out / "views" / f"{first}_after.txt")))
     detected = [p for name in ("first", "moved") for p in first_and_last(out / f"detect_{name}", "overlay_[0-9]*.png")[:1]]
     depth_view = first_and_last(out / "detect_first", "overlay_depth_*.png")[0]
     detection_part = "" if not runs else (

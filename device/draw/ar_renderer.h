@@ -21,6 +21,7 @@ struct VirtualObject {
 
 /// What the head-up display says.
 struct HudState {
+  /// 0 (a model from a file, or none) is left out.
   Revision revision = 0;
   std::string tracking;
   double frames_per_s = 0;

@@ -1,9 +1,12 @@
 #include "device/draw/hud.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
 
 namespace meshloop {
 namespace {
@@ -17,15 +20,16 @@ constexpr double kHeightOfUnitScale_px = 1100;
 }  // namespace
 
 std::string hud_text(const HudState& state) {
-  std::string text = fmt::format("revision {}", state.revision);
-  if (!state.tracking.empty()) text += " | " + state.tracking;
-  if (state.frames_per_s > 0) text += fmt::format(" | {:.0f} frames/s", state.frames_per_s);
-  return text;
+  std::vector<std::string> parts;
+  if (state.revision > 0) parts.push_back(fmt::format("revision {}", state.revision));
+  if (!state.tracking.empty()) parts.push_back(state.tracking);
+  if (state.frames_per_s > 0) parts.push_back(fmt::format("{:.0f} frames/s", state.frames_per_s));
+  return fmt::format("{}", fmt::join(parts, " | "));
 }
 
 void draw_hud(ColorImage& picture, const HudState& state) {
-  if (picture.empty()) return;
   const std::string text = hud_text(state);
+  if (picture.empty() || text.empty()) return;
   const double scale = std::max(0.38, picture.height() / kHeightOfUnitScale_px);
   int below_px = 0;
   const cv::Size letters = cv::getTextSize(text, kFont, scale, 1, &below_px);

@@ -43,10 +43,12 @@ void LiveClient::note_drawn(const ReceivedModel& received) {
 }
 
 Status LiveClient::show(const ColorFrame& frame) {
-  const auto received = receiver_->newest();
-  const std::shared_ptr<const Model> model = received ? received->model : nullptr;
-  const TrackRecord& record = session_.track(frame, model);
+  const auto known = receiver_->newest();
+  const TrackRecord& record = session_.track(frame, known ? known->model : nullptr);
   const Stopwatch watch;
+  // What came while the pose was being found hides and is shaded already: the pose does not depend on a small change.
+  const auto received = known ? receiver_->newest() : known;
+  const std::shared_ptr<const Model> model = received ? received->model : nullptr;
   ArFrame view;
   view.camera_image = &frame.color;
   view.camera = camera_;
@@ -54,8 +56,8 @@ Status LiveClient::show(const ColorFrame& frame) {
   view.tracked = record.pose.state != TrackState::lost;
   view.model = model.get();
   view.objects = &options_.objects;
-  view.hud = {record.revision, model ? std::string(name_of(record.pose.state)) : "waiting for the scene",
-              frames_per_s_};
+  view.hud = {model ? model->revision : Revision{0},
+              model ? std::string(name_of(record.pose.state)) : "waiting for the scene", frames_per_s_};
   const ColorImage picture = renderer_->draw(view);
   draw_ms_.push_back(watch.milliseconds());
   if (received && view.tracked) note_drawn(*received);

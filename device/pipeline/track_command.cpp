@@ -33,10 +33,12 @@ class Views {
     if (!renderer) return fail(renderer.error());
     auto presenter = OffscreenPresenter::create({.folder = arguments.draw, .every_nth = arguments.every});
     if (!presenter) return fail(presenter.error());
-    return Views{std::move(*renderer), std::move(*presenter), arguments.object.make()};
+    return Views{std::move(*renderer), std::move(*presenter), arguments.object.make(), arguments.every};
   }
 
   Status draw(const ColorFrame& frame, const Camera& camera, const TrackRecord& record, const Model& model) {
+    // A picture that is not kept need not be drawn, only counted.
+    if (position_++ % every_ != 0) return presenter_->show(frame.color);
     ArFrame view;
     view.camera_image = &frame.color;
     view.camera = camera;
@@ -44,16 +46,19 @@ class Views {
     view.tracked = record.pose.state != TrackState::lost;
     view.model = &model;
     view.objects = &objects_;
-    view.hud = {model.revision, std::string(name_of(record.pose.state)), 0};
+    view.hud = {0, std::string(name_of(record.pose.state)), 0};
     return presenter_->show(renderer_->draw(view));
   }
 
  private:
-  Views(std::unique_ptr<ArRenderer> renderer, std::unique_ptr<OffscreenPresenter> presenter, VirtualObject object)
-      : renderer_{std::move(renderer)}, presenter_{std::move(presenter)}, objects_{std::move(object)} {}
+  Views(std::unique_ptr<ArRenderer> renderer, std::unique_ptr<OffscreenPresenter> presenter, VirtualObject object,
+        int every)
+      : renderer_{std::move(renderer)}, presenter_{std::move(presenter)}, objects_{std::move(object)}, every_{every} {}
   std::unique_ptr<ArRenderer> renderer_;
   std::unique_ptr<OffscreenPresenter> presenter_;
   std::vector<VirtualObject> objects_;
+  int every_;
+  int position_ = 0;
 };
 
 void report(const TrackArguments& arguments, const TrackingSession& session, const nlohmann::json& truth) {

@@ -63,7 +63,8 @@ TEST_F(PresenterTest, SaysWhenAPictureCannotBeWritten) {
 
 TEST(Hud, SaysRevisionStateAndRate) {
   EXPECT_EQ(hud_text({4, "tracking", 28.4}), "revision 4 | tracking | 28 frames/s");
-  EXPECT_EQ(hud_text({0, "", 0}), "revision 0");
+  EXPECT_EQ(hud_text({0, "tracking", 0}), "tracking");
+  EXPECT_EQ(hud_text({0, "", 0}), "");
 }
 
 TEST(Hud, StaysInTheLowerLeftCornerAndLeavesTinyPicturesAlone) {
