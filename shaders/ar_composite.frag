@@ -23,14 +23,16 @@ vec3 point_at(ivec2 pixel, float depth) {
   return vec3((vec2(pixel) - intrinsics.zw) / intrinsics.xy * depth, depth);
 }
 
-// The side on which the depth changes less belongs to the same surface.
+// The side on which the depth changes less belongs to the same surface; at the picture's border there is one side only.
 vec3 step_along(ivec2 pixel, ivec2 direction, vec3 here) {
   ivec2 last = textureSize(real_depth, 0) - 1;
   ivec2 after = min(pixel + direction, last);
   ivec2 before = max(pixel - direction, ivec2(0));
   float depth_after = texelFetch(real_depth, after, 0).r;
   float depth_before = texelFetch(real_depth, before, 0).r;
-  if (abs(depth_after - here.z) < abs(depth_before - here.z)) return point_at(after, depth_after) - here;
+  bool at_end = after == pixel;
+  bool at_start = before == pixel;
+  if (at_start || (!at_end && abs(depth_after - here.z) < abs(depth_before - here.z))) return point_at(after, depth_after) - here;
   return here - point_at(before, depth_before);
 }
 

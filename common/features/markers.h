@@ -26,7 +26,7 @@ struct MarkerSighting {
 class MarkerDetector {
  public:
   /// Refuses a dictionary that OpenCV does not have.
-  static Result<MarkerDetector> create(const std::string& dictionary);
+  [[nodiscard]] static Result<MarkerDetector> create(const std::string& dictionary);
   [[nodiscard]] std::vector<MarkerSighting> detect(const GreyImage& image) const;
   /// The black and white cells of a marker with its border, 255 white, row 0 on top; one pixel a cell.
   [[nodiscard]] Result<GreyImage> pattern(int id) const;

@@ -14,9 +14,9 @@ class SensorModel {
   SensorModel() = default;
   explicit SensorModel(Kind kind, double constant_m = 0) : kind_{kind}, constant_m_{constant_m} {}
   /// "kinect1", "kinect1-khoshelham" or "tof"; a constant is made by `constant`.
-  static Result<SensorModel> from_name(const std::string& name);
+  [[nodiscard]] static Result<SensorModel> from_name(const std::string& name);
   /// `sigma_m` metres at every depth, and no lateral noise.
-  static Result<SensorModel> constant(double sigma_m);
+  [[nodiscard]] static Result<SensorModel> constant(double sigma_m);
 
   [[nodiscard]] Kind kind() const { return kind_; }
   [[nodiscard]] std::string name() const;

@@ -16,7 +16,7 @@ class GpuContext {
   /// Tries, in this order: EGL devices that are hardware, Mesa's surfaceless platform, EGL devices in software. A
   /// failure names each attempt and what to install. The environment variable MESHLOOP_GPU=software leaves hardware
   /// out.
-  static Result<std::unique_ptr<GpuContext>> create_headless();
+  [[nodiscard]] static Result<std::unique_ptr<GpuContext>> create_headless();
 
   ~GpuContext();
   GpuContext(const GpuContext&) = delete;

@@ -105,8 +105,9 @@ void GlSceneRenderer::prepare(const SceneView& view) {
   } else {
     glDisable(GL_SCISSOR_TEST);
   }
-  for (const GLenum off : {GL_CULL_FACE, GL_BLEND, GL_STENCIL_TEST, GL_DITHER, GL_POLYGON_OFFSET_FILL,
-                           GL_RASTERIZER_DISCARD, GL_SAMPLE_ALPHA_TO_COVERAGE}) {
+  for (const GLenum off :
+       std::initializer_list<GLenum>{GL_CULL_FACE, GL_BLEND, GL_STENCIL_TEST, GL_DITHER, GL_POLYGON_OFFSET_FILL,
+                                     GL_RASTERIZER_DISCARD, GL_SAMPLE_ALPHA_TO_COVERAGE}) {
     glDisable(off);
   }
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);

@@ -21,7 +21,8 @@ struct SceneView {
   /// Metres along the optical axis.
   float near_m = 0.05f;
   float far_m = 50.0f;
-  /// Only these pixels are drawn when it is given; what the textures hold elsewhere is left open.
+  /// Only these pixels are drawn when it is given; what the textures hold elsewhere is left open. Not empty, and within
+  /// the picture.
   std::optional<ScreenArea> area = std::nullopt;
   /// The node and the colour texture are left alone, which saves a part of the time.
   bool depth_only = false;
@@ -35,7 +36,7 @@ struct SceneView {
 /// (drawn mid grey). Both sides of a triangle are drawn.
 class SceneRenderer {
  public:
-  static Result<std::unique_ptr<SceneRenderer>> create(GpuContext& context);
+  [[nodiscard]] static Result<std::unique_ptr<SceneRenderer>> create(GpuContext& context);
   virtual ~SceneRenderer() = default;
 
   /// Uploads what is new, then draws. The textures hold the result until the next call.

@@ -23,9 +23,10 @@ struct RecordedImage {
 class Recording {
  public:
   /// Refuses a folder without rig.yaml or rgb.txt, and lists that do not parse. depth.txt may be missing (colour only).
-  static Result<Recording> open(const std::filesystem::path& folder);
+  [[nodiscard]] static Result<Recording> open(const std::filesystem::path& folder);
   /// The same with another rig file.
-  static Result<Recording> open(const std::filesystem::path& folder, const std::filesystem::path& rig_file);
+  [[nodiscard]] static Result<Recording> open(const std::filesystem::path& folder,
+                                              const std::filesystem::path& rig_file);
 
   /// The rig as calibrated, with lens distortion.
   [[nodiscard]] const Rig& rig() const { return rig_; }
@@ -55,13 +56,13 @@ class Recording {
 class RecordingWriter {
  public:
   /// Makes the folder. Refuses one that holds a recording already.
-  static Result<RecordingWriter> create(const std::filesystem::path& folder, const Rig& rig);
+  [[nodiscard]] static Result<RecordingWriter> create(const std::filesystem::path& folder, const Rig& rig);
 
-  Status add_color(double timestamp_s, const ColorImage& image);
+  [[nodiscard]] Status add_color(double timestamp_s, const ColorImage& image);
   /// Metres; rounded to units of the rig's depth_scale. What does not fit into 16 bits, and NaN, becomes 0
   /// (unmeasured).
-  Status add_depth(double timestamp_s, const DepthImage& image_m);
-  Status add_ground_truth(double timestamp_s, const Pose& T_world_color);
+  [[nodiscard]] Status add_depth(double timestamp_s, const DepthImage& image_m);
+  [[nodiscard]] Status add_ground_truth(double timestamp_s, const Pose& T_world_color);
 
  private:
   /// One list file, and how far it has come.
@@ -72,10 +73,10 @@ class RecordingWriter {
   };
 
   RecordingWriter(Rig rig, std::filesystem::path folder) : rig_{std::move(rig)}, folder_{std::move(folder)} {}
-  Status check_time(const Stream& stream, double timestamp_s) const;
-  Status append(Stream& stream, double timestamp_s, const std::string& header, const std::string& line);
+  [[nodiscard]] Status check_time(const Stream& stream, double timestamp_s) const;
+  [[nodiscard]] Status append(Stream& stream, double timestamp_s, const std::string& header, const std::string& line);
   template <class T>
-  Status add_image(Stream& stream, double timestamp_s, const Image<T>& image);
+  [[nodiscard]] Status add_image(Stream& stream, double timestamp_s, const Image<T>& image);
 
   Rig rig_;
   std::filesystem::path folder_;

@@ -22,8 +22,9 @@ namespace meshloop::simulation {
 /// Colour and depth of the station, and the true depth images. The scenes must outlive it.
 class StationRecording {
  public:
-  static Result<std::unique_ptr<StationRecording>> create(const std::filesystem::path& folder, const Scene& before,
-                                                          const Scene& after, const DemoOptions& options);
+  [[nodiscard]] static Result<std::unique_ptr<StationRecording>> create(const std::filesystem::path& folder,
+                                                                        const Scene& before, const Scene& after,
+                                                                        const DemoOptions& options);
 
   [[nodiscard]] int frames() const { return options_.station_frames; }
   [[nodiscard]] Status make_frame(int index);
@@ -49,8 +50,9 @@ class StationRecording {
 /// Colour of the handheld. The scene must outlive it.
 class DeviceRecording {
  public:
-  static Result<std::unique_ptr<DeviceRecording>> create(const std::filesystem::path& folder, const Scene& scene,
-                                                         const DemoOptions& options, std::uint64_t noise_seed);
+  [[nodiscard]] static Result<std::unique_ptr<DeviceRecording>> create(const std::filesystem::path& folder,
+                                                                       const Scene& scene, const DemoOptions& options,
+                                                                       std::uint64_t noise_seed);
 
   [[nodiscard]] int frames() const { return options_.device_frames; }
   [[nodiscard]] Status make_frame(int index);

@@ -20,7 +20,7 @@ inline constexpr unsigned kHighestDomain = 230;
 /// creates it first, so the links of a process share it: it goes with the last of them. Any thread.
 class Domain {
  public:
-  static Result<std::unique_ptr<Domain>> join(unsigned number, const std::vector<std::string>& peers);
+  [[nodiscard]] static Result<std::unique_ptr<Domain>> join(unsigned number, const std::vector<std::string>& peers);
   ~Domain();
   Domain(const Domain&) = delete;
   Domain& operator=(const Domain&) = delete;

@@ -70,14 +70,14 @@ struct LinkOptions {
 class SceneWriter {
  public:
   /// Fails with a sentence when the options are out of bounds, or the network cannot be used.
-  static Result<std::unique_ptr<SceneWriter>> create(const LinkOptions& options);
+  [[nodiscard]] static Result<std::unique_ptr<SceneWriter>> create(const LinkOptions& options);
   virtual ~SceneWriter() = default;
   /// Geometry first, then the manifest that names it. Refuses what readers would drop. Waits as long as `bytes_per_s`
   /// asks for while there are readers, and then at most kLongestWriteBlock; a write that failed can be repeated.
-  virtual Status write(const NodePayload& payload) = 0;
-  virtual Status write(const Manifest& manifest) = 0;
+  [[nodiscard]] virtual Status write(const NodePayload& payload) = 0;
+  [[nodiscard]] virtual Status write(const Manifest& manifest) = 0;
   /// Takes a node's geometry off the network.
-  virtual Status dispose(NodeId id) = 0;
+  [[nodiscard]] virtual Status dispose(NodeId id) = 0;
   /// How many readers there are now. Any thread.
   [[nodiscard]] virtual int readers() const = 0;
 };
@@ -91,7 +91,7 @@ struct SceneSamples {
 /// One scene's reading end. take() is called by one thread at a time, rejected() by any.
 class SceneReader {
  public:
-  static Result<std::unique_ptr<SceneReader>> create(const LinkOptions& options);
+  [[nodiscard]] static Result<std::unique_ptr<SceneReader>> create(const LinkOptions& options);
   virtual ~SceneReader() = default;
   /// Waits until something arrives or the time is over (then empty). Samples that break a bound of proto/meshloop.idl,
   /// whose payload does not have its hash, or whose transforms are not rigid, are counted and dropped. What comes back

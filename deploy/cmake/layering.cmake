@@ -14,6 +14,7 @@ set(MESHLOOP_VENDOR_ROOMS
   "^OpenNI|^server/capture/"
   "^libfreenect|^server/capture/"
   "^(SDL|imgui)|^server/console/"
+  "^(wayland-|X11/|xf86drm|gbm)|^device/draw/"
   "^libcamera/|^device/capture/"
   "^linux/videodev2|^device/capture/"
   "^sodium|^common/base/")

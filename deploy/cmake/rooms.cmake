@@ -2,14 +2,14 @@
 # it names in ROOMS, and nothing else of the project. The include path of each room holds a single link to that
 # room's folder, so an include of a room that was not named does not compile.
 #
-#   meshloop_room(common/mesh ROOMS common/image PUBLIC Eigen3::Eigen PRIVATE opencv_core OPENCV)
+#   meshloop_room(common/mesh ROOMS common/image PUBLIC Eigen3::Eigen PRIVATE opencv_core PRECOMPILED opencv)
 #
 # ROOMS    rooms this one may include (their own ROOMS come along)
 # PUBLIC   libraries whose headers show in this room's headers
 # PRIVATE  libraries used in .cpp files only
-# OPENCV   .cpp files of this room use OpenCV (its headers come precompiled)
+# PRECOMPILED  what its .cpp files use besides Eigen, and comes precompiled: opencv or program (CLI11, JSON)
 function(meshloop_room path)
-  cmake_parse_arguments(ROOM "OPENCV" "" "ROOMS;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ROOM "" "PRECOMPILED" "ROOMS;PUBLIC;PRIVATE" ${ARGN})
   string(REPLACE "/" "-" target ${path})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${path}/*.cpp)
   file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${path}/*.h)
@@ -24,7 +24,7 @@ function(meshloop_room path)
     add_library(${target} STATIC ${sources})
     set(scope PUBLIC)
     target_link_libraries(${target} PRIVATE meshloop_settings ${ROOM_PRIVATE})
-    meshloop_precompile(${target} ${ROOM_OPENCV})
+    meshloop_precompile(${target} "${ROOM_PRECOMPILED}")
   else()
     add_library(${target} INTERFACE)
     set(scope INTERFACE)
@@ -38,26 +38,39 @@ function(meshloop_room path)
   meshloop_headers_stand_alone(${target} "${headers}" "${ROOM_PRIVATE}")
 endfunction()
 
-# Eigen's and OpenCV's headers are parsed once for all rooms, not once for each file.
-function(meshloop_precompile target opencv)
-  if(opencv)
-    set(kind opencv)
-  else()
+# Large headers are parsed once for all targets, not once for each file. KIND: what comes on top of Eigen and the small
+# ones: opencv, program, test, or nothing.
+function(meshloop_precompile target kind)
+  set(headers <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <tl/expected.hpp> <algorithm> <cstdint> <memory> <string> <vector>)
+  set(libraries Eigen3::Eigen tl::expected fmt::fmt)
+  if(kind STREQUAL opencv)
+    list(APPEND headers <opencv2/core.hpp> <opencv2/imgproc.hpp>)
+  elseif(kind STREQUAL program)
+    list(APPEND headers <CLI/CLI.hpp> <nlohmann/json.hpp>)
+    list(APPEND libraries CLI11::CLI11 nlohmann_json::nlohmann_json)
+  elseif(kind STREQUAL test)
+    list(APPEND headers <gtest/gtest.h>)
+    list(APPEND libraries GTest::gtest)
+  elseif(kind STREQUAL "")
     set(kind eigen)
+  else()
+    message(FATAL_ERROR "nothing is precompiled for '${kind}'")
   endif()
   if(NOT TARGET precompiled_${kind})
     file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled/${kind}.cpp CONTENT "// Holds the precompiled headers.\n")
     add_library(precompiled_${kind} STATIC ${PROJECT_BINARY_DIR}/precompiled/${kind}.cpp)
-    target_link_libraries(precompiled_${kind} PRIVATE meshloop_settings Eigen3::Eigen tl::expected fmt::fmt)
-    target_precompile_headers(precompiled_${kind} PRIVATE
-      <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <tl/expected.hpp> <algorithm> <cstdint> <memory> <string> <vector>)
-    if(opencv)
-      target_precompile_headers(precompiled_${kind} PRIVATE ${MESHLOOP_OPENCV_HEADERS})
+    target_link_libraries(precompiled_${kind} PRIVATE meshloop_settings ${libraries})
+    target_precompile_headers(precompiled_${kind} PRIVATE ${headers})
+    if(kind STREQUAL opencv)
       target_include_directories(precompiled_${kind} SYSTEM PRIVATE ${OpenCV_INCLUDE_DIRS})
+    elseif(kind STREQUAL test)
+      # As programs are compiled; what is precompiled must be compiled alike.
+      set_target_properties(precompiled_${kind} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+      target_compile_options(precompiled_${kind} PRIVATE -fPIE)
     endif()
   endif()
   target_precompile_headers(${target} REUSE_FROM precompiled_${kind})
-  target_link_libraries(${target} PRIVATE Eigen3::Eigen tl::expected fmt::fmt)
+  target_link_libraries(${target} PRIVATE ${libraries})
 endfunction()
 
 # `headers_stand_alone` compiles each header by itself, without what is precompiled.

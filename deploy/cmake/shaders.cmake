@@ -5,7 +5,15 @@ function(meshloop_embed_shaders target)
        ${PROJECT_SOURCE_DIR}/shaders/*.comp)
   set(view ${PROJECT_BINARY_DIR}/include/${target})
   set(header ${view}/shaders/shaders.h)
-  file(GLOB included CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/shaders/*.glsl ${PROJECT_SOURCE_DIR}/common/change/*_rule.h)
+  # What they include; the build configures itself again when a shader changes, and with it its includes.
+  set(included)
+  foreach(file ${files})
+    file(STRINGS ${file} lines REGEX "^#include \"[^\"]+\"")
+    list(TRANSFORM lines REPLACE "^#include \"([^\"]+)\".*" "${PROJECT_SOURCE_DIR}/\\1")
+    list(APPEND included ${lines})
+  endforeach()
+  list(REMOVE_DUPLICATES included)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${files})
   add_custom_command(OUTPUT ${header}
     COMMAND ${CMAKE_COMMAND} -DOUT=${header} -DROOT=${PROJECT_SOURCE_DIR} "-DFILES=${files}"
             -P ${PROJECT_SOURCE_DIR}/deploy/cmake/embed_shaders.cmake

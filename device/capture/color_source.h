@@ -14,7 +14,7 @@ class ColorSource {
   virtual ~ColorSource() = default;
   [[nodiscard]] virtual const Camera& camera() const = 0;
   /// The next frame; nothing at the end.
-  virtual Result<std::optional<ColorFrame>> next() = 0;
+  [[nodiscard]] virtual Result<std::optional<ColorFrame>> next() = 0;
 };
 
 }  // namespace meshloop

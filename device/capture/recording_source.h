@@ -21,10 +21,9 @@ class ColorRecordingSource : public ColorSource {
   };
 
   /// `rig_file` replaces the recording's own rig.yaml.
-  static Result<std::unique_ptr<ColorRecordingSource>> open(const std::filesystem::path& folder,
-                                                            const std::optional<std::filesystem::path>& rig_file,
-                                                            Options options);
-  static Result<std::unique_ptr<ColorRecordingSource>> open(
+  [[nodiscard]] static Result<std::unique_ptr<ColorRecordingSource>> open(
+      const std::filesystem::path& folder, const std::optional<std::filesystem::path>& rig_file, Options options);
+  [[nodiscard]] static Result<std::unique_ptr<ColorRecordingSource>> open(
       const std::filesystem::path& folder, const std::optional<std::filesystem::path>& rig_file = std::nullopt) {
     return open(folder, rig_file, Options{});
   }

@@ -187,6 +187,7 @@ void GlArRenderer::augment(const ArFrame& frame, const std::vector<const Virtual
   SceneView view;
   view.camera = frame.camera;
   view.T_camera_world = frame.T_camera_world;
+  view.near_m = kNear_m;
   view.area = area;
   view.depth_only = true;
   parts_.scene->render(model, view);

@@ -41,7 +41,7 @@ struct ArFrame {
 /// Draws offscreen in the camera's size. One thread, that of the context.
 class ArRenderer {
  public:
-  static Result<std::unique_ptr<ArRenderer>> create(GpuContext& context);
+  [[nodiscard]] static Result<std::unique_ptr<ArRenderer>> create(GpuContext& context);
   virtual ~ArRenderer() = default;
   /// Draws and reads back.
   virtual ColorImage draw(const ArFrame& frame) = 0;

@@ -25,8 +25,9 @@ Result<std::unique_ptr<OffscreenPresenter>> OffscreenPresenter::create(const Off
 }
 
 Status OffscreenPresenter::show(const ColorImage& picture) {
+  const bool kept = keeps_next();
   const int position = shown_++;
-  if (position % options_.every_nth != 0) return {};
+  if (!kept) return {};
   return write_png(options_.folder / fmt::format("{:06}.png", position), picture);
 }
 

@@ -12,7 +12,7 @@ class Presenter {
  public:
   virtual ~Presenter() = default;
   /// Shows one picture. An error says that this and later pictures cannot be shown.
-  virtual Status show(const ColorImage& picture) = 0;
+  [[nodiscard]] virtual Status show(const ColorImage& picture) = 0;
 };
 
 struct OffscreenOptions {
@@ -25,8 +25,11 @@ struct OffscreenOptions {
 class OffscreenPresenter final : public Presenter {
  public:
   /// Refuses a folder that cannot be made and every_nth below 1.
-  static Result<std::unique_ptr<OffscreenPresenter>> create(const OffscreenOptions& options);
-  Status show(const ColorImage& picture) override;
+  [[nodiscard]] static Result<std::unique_ptr<OffscreenPresenter>> create(const OffscreenOptions& options);
+  [[nodiscard]] Status show(const ColorImage& picture) override;
+  /// Whether the next picture is one that is written; one that is not can be skipped, and need not be drawn.
+  [[nodiscard]] bool keeps_next() const { return shown_ % options_.every_nth == 0; }
+  void skip() { ++shown_; }
 
  private:
   explicit OffscreenPresenter(OffscreenOptions options);

@@ -36,7 +36,7 @@ struct ShadowBox {
 /// not depend on the camera. One thread, that of the context, which is current in every call and at the end.
 class ShadowMaps {
  public:
-  static Result<ShadowMaps> create();
+  [[nodiscard]] static Result<ShadowMaps> create();
 
   void update(const Model& model, const std::vector<const VirtualObject*>& objects, const ObjectCache& cache,
               MeshCache& model_meshes);

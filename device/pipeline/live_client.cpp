@@ -5,6 +5,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "common/program/json_output.h"
 #include "common/program/stop_signal.h"
 
 namespace meshloop {
@@ -38,7 +39,7 @@ void LiveClient::note_drawn(const ReceivedModel& received) {
   if (revisions_.contains(revision)) return;
   revisions_[revision] = {received.accepted_ns, received.complete_ns, wall_clock_ns(), received.decode_ms};
   if (options_.json) {
-    std::cout << nlohmann::json{{"event", "drawn"}, {"revision", revision}}.dump() << std::endl;
+    std::cout << json_line({{"event", "drawn"}, {"revision", revision}}) << std::endl;
   }
 }
 
@@ -60,6 +61,7 @@ Status LiveClient::show(const ColorFrame& frame) {
               model ? std::string(name_of(record.pose.state)) : "waiting for the scene", frames_per_s_};
   const ColorImage picture = renderer_->draw(view);
   draw_ms_.push_back(watch.milliseconds());
+  if (draw_ms_.size() > session_.records().size()) draw_ms_.pop_front();
   if (received && view.tracked) note_drawn(*received);
   return presenter_->show(picture);
 }
@@ -99,7 +101,7 @@ nlohmann::json LiveClient::report(const std::optional<Trajectory>& truth) const 
           {"revision", newest ? nlohmann::json(newest->model->revision) : nlohmann::json(nullptr)},
           {"revisions", revisions},
           {"rejected", counts.rejected},
-          {"time_ms", {{"track", spread_json(track_ms)}, {"draw", spread_json(draw_ms_)}}},
+          {"time_ms", {{"track", spread_json(track_ms)}, {"draw", spread_json({draw_ms_.begin(), draw_ms_.end()})}}},
           {"truth", truth_json(session_.trajectory(), truth)}};
 }
 

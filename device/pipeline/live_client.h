@@ -1,5 +1,6 @@
 #pragma once
 // The live client: camera and shared scene in, augmented view out.
+#include <deque>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -31,10 +32,11 @@ struct RevisionTimes {
 /// One thread, that of the GPU context it makes; receiving and decoding have their own.
 class LiveClient {
  public:
-  static Result<std::unique_ptr<LiveClient>> create(const LiveOptions& options, const Camera& camera, StartPose start,
-                                                    std::unique_ptr<Presenter> presenter);
+  [[nodiscard]] static Result<std::unique_ptr<LiveClient>> create(const LiveOptions& options, const Camera& camera,
+                                                                  StartPose start,
+                                                                  std::unique_ptr<Presenter> presenter);
   /// Until the camera ends, `seconds` are over (when positive) or a stop signal arrives.
-  Status run(ColorSource& camera, double seconds);
+  [[nodiscard]] Status run(ColorSource& camera, double seconds);
 
   /// {"frames", "lost", "revision", "revisions", "rejected", "time_ms": {"track", "draw"}, "truth"}
   [[nodiscard]] nlohmann::json report(const std::optional<Trajectory>& truth) const;
@@ -44,7 +46,7 @@ class LiveClient {
   LiveClient(std::unique_ptr<GpuContext> gpu, TrackingSession session, std::unique_ptr<ArRenderer> renderer,
              std::unique_ptr<SceneReceiver> receiver, std::unique_ptr<Presenter> presenter, const LiveOptions& options,
              const Camera& camera);
-  Status show(const ColorFrame& frame);
+  [[nodiscard]] Status show(const ColorFrame& frame);
   void note_drawn(const ReceivedModel& received);
 
   std::unique_ptr<GpuContext> gpu_;
@@ -55,7 +57,7 @@ class LiveClient {
   Camera camera_;
   LiveOptions options_;
   std::map<Revision, RevisionTimes> revisions_;
-  std::vector<double> draw_ms_;
+  std::deque<double> draw_ms_;
   double frames_per_s_ = 0;
 };
 

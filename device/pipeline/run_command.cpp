@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "common/program/arguments.h"
+#include "common/program/json_output.h"
 #include "common/program/stop_signal.h"
 #include "device/capture/recording_source.h"
 #include "device/pipeline/commands.h"
@@ -52,12 +53,12 @@ Status write_results(const RunArguments& arguments, const LiveClient& client, co
   const auto report = client.report(truth);
   if (!arguments.report.empty()) {
     std::ofstream file{arguments.report};
-    file << report.dump(2) << '\n';
+    file << json_page(report);
     if (!file.flush()) return fail(fmt::format("cannot write '{}'", arguments.report));
   }
   if (!arguments.live.json) {
     std::cout << fmt::format("{} frames drawn, {} lost, revision {}\n", client.session().records().size(),
-                             client.session().lost_frames(), report["revision"].dump());
+                             client.session().lost_frames(), json_line(report["revision"]));
   }
   return {};
 }
@@ -75,8 +76,9 @@ Status run(RunArguments arguments) {
   catch_stop_signals();
   auto client = LiveClient::create(arguments.live, (*camera)->camera(), std::move(*start), std::move(*display));
   if (!client) return fail(client.error());
-  if (auto done = (*client)->run(**camera, arguments.seconds); !done) return done;
-  return write_results(arguments, **client, (*camera)->recording().ground_truth());
+  const auto ran = (*client)->run(**camera, arguments.seconds);
+  const auto written = write_results(arguments, **client, (*camera)->recording().ground_truth());
+  return ran ? written : ran;
 }
 
 }  // namespace

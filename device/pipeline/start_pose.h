@@ -13,7 +13,7 @@ namespace meshloop {
 class StartPose {
  public:
   /// `pose:tx,ty,tz,qx,qy,qz,qw` (camera to world) or `markers:FILE`.
-  static Result<StartPose> parse(const std::string& text);
+  [[nodiscard]] static Result<StartPose> parse(const std::string& text);
 
   /// T_camera_world. A given pose holds for the first frame only; markers help at any time.
   [[nodiscard]] std::optional<Pose> find(const ColorFrame& frame, const Camera& camera);

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "common/interchange/model_file.h"
+#include "common/program/json_output.h"
 #include "device/capture/recording_source.h"
 #include "device/draw/presenter.h"
 #include "device/pipeline/commands.h"
@@ -33,12 +34,14 @@ class Views {
     if (!renderer) return fail(renderer.error());
     auto presenter = OffscreenPresenter::create({.folder = arguments.draw, .every_nth = arguments.every});
     if (!presenter) return fail(presenter.error());
-    return Views{std::move(*renderer), std::move(*presenter), arguments.object.make(), arguments.every};
+    return Views{std::move(*renderer), std::move(*presenter), arguments.object.make()};
   }
 
   Status draw(const ColorFrame& frame, const Camera& camera, const TrackRecord& record, const Model& model) {
-    // A picture that is not kept need not be drawn, only counted.
-    if (position_++ % every_ != 0) return presenter_->show(frame.color);
+    if (!presenter_->keeps_next()) {
+      presenter_->skip();
+      return {};
+    }
     ArFrame view;
     view.camera_image = &frame.color;
     view.camera = camera;
@@ -51,14 +54,11 @@ class Views {
   }
 
  private:
-  Views(std::unique_ptr<ArRenderer> renderer, std::unique_ptr<OffscreenPresenter> presenter, VirtualObject object,
-        int every)
-      : renderer_{std::move(renderer)}, presenter_{std::move(presenter)}, objects_{std::move(object)}, every_{every} {}
+  Views(std::unique_ptr<ArRenderer> renderer, std::unique_ptr<OffscreenPresenter> presenter, VirtualObject object)
+      : renderer_{std::move(renderer)}, presenter_{std::move(presenter)}, objects_{std::move(object)} {}
   std::unique_ptr<ArRenderer> renderer_;
   std::unique_ptr<OffscreenPresenter> presenter_;
   std::vector<VirtualObject> objects_;
-  int every_;
-  int position_ = 0;
 };
 
 void report(const TrackArguments& arguments, const TrackingSession& session, const nlohmann::json& truth) {
@@ -69,7 +69,7 @@ void report(const TrackArguments& arguments, const TrackingSession& session, con
                             {"time_ms", spread_json(times)},
                             {"truth", truth}};
   if (arguments.json) {
-    std::cout << json.dump(2) << '\n';
+    print_json(json);
     return;
   }
   std::cout << fmt::format("{} frames, {} lost; poses are in {}\n", session.records().size(), session.lost_frames(),

@@ -4,9 +4,13 @@
 #include <utility>
 
 #include "common/base/clock.h"
-#include "common/program/spread.h"
 
 namespace meshloop {
+namespace {
+
+constexpr std::size_t kMaxRecords = 108'000;
+
+}  // namespace
 
 TrackingSession::TrackingSession(std::unique_ptr<ModelTracker> tracker, const Camera& camera, StartPose start)
     : tracker_{std::move(tracker)}, camera_{camera}, start_{std::move(start)} {}
@@ -33,6 +37,7 @@ const TrackRecord& TrackingSession::track(const ColorFrame& frame, const std::sh
   }
   record.time_ms = watch.milliseconds();
   records_.push_back(record);
+  if (records_.size() > kMaxRecords) records_.pop_front();
   return records_.back();
 }
 
@@ -80,12 +85,6 @@ nlohmann::json truth_json(const Trajectory& tracked, const std::optional<Traject
   }
   if (frames == 0) return nullptr;
   return {{"mean_error_m", sum / frames}, {"max_error_m", largest}, {"frames", frames}};
-}
-
-nlohmann::json spread_json(std::vector<double> values) {
-  const auto spread = spread_of(std::move(values));
-  if (!spread) return nullptr;
-  return {{"median", spread->median}, {"p95", spread->p95}};
 }
 
 }  // namespace meshloop

@@ -1,5 +1,6 @@
 #pragma once
 // Start pose and tracker, joined, with the account of what was tracked.
+#include <deque>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -20,12 +21,13 @@ struct TrackRecord {
 /// One thread, that of the GPU context.
 class TrackingSession {
  public:
-  static Result<TrackingSession> create(GpuContext& gpu, const Camera& camera, StartPose start);
+  [[nodiscard]] static Result<TrackingSession> create(GpuContext& gpu, const Camera& camera, StartPose start);
 
   /// Tracks one frame; while lost, markers (if any were given) start the tracker again. A null model is lost.
   const TrackRecord& track(const ColorFrame& frame, const std::shared_ptr<const Model>& model);
 
-  [[nodiscard]] const std::vector<TrackRecord>& records() const { return records_; }
+  /// Of the newest frames: at most an hour at 30 a second.
+  [[nodiscard]] const std::deque<TrackRecord>& records() const { return records_; }
   [[nodiscard]] std::size_t lost_frames() const;
   /// Poses of the frames that were not lost.
   [[nodiscard]] Trajectory trajectory() const;
@@ -38,14 +40,11 @@ class TrackingSession {
   Camera camera_;
   StartPose start_;
   bool lost_ = true;
-  std::vector<TrackRecord> records_;
+  std::deque<TrackRecord> records_;
 };
 
 /// Distance between tracked and true camera positions, over the frames that were not lost:
 /// {"mean_error_m", "max_error_m", "frames"}; null where there is no truth.
 [[nodiscard]] nlohmann::json truth_json(const Trajectory& tracked, const std::optional<Trajectory>& truth);
-
-/// {"median": ..., "p95": ...}; null without values.
-[[nodiscard]] nlohmann::json spread_json(std::vector<double> values);
 
 }  // namespace meshloop

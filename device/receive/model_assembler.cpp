@@ -48,7 +48,10 @@ void ModelAssembler::State::take(const NodePayload& payload) {
   const Age age{payload.epoch, payload.revision};
   const bool is_named = named.contains(payload.hash);
   const bool is_stale = !is_named && manifest && age <= Age{manifest->epoch, manifest->revision};
-  if (is_stale || decoded.find(payload.hash)) {
+  Decoded* const known = decoded.find(payload.hash);
+  // A geometry may come back in a later revision: an older manifest that does not name it must not drop it then.
+  if (known != nullptr) known->age = std::max(known->age, age);
+  if (is_stale || known != nullptr) {
     ++counts.payloads;
     return;
   }

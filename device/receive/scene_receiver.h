@@ -30,7 +30,7 @@ struct ReceiveCounts {
 /// is counted, and the model stays what it was.
 class SceneReceiver {
  public:
-  static Result<std::unique_ptr<SceneReceiver>> start(const LinkOptions& options);
+  [[nodiscard]] static Result<std::unique_ptr<SceneReceiver>> start(const LinkOptions& options);
   virtual ~SceneReceiver() = default;
   /// The newest complete model; null before the first one. Any thread.
   [[nodiscard]] virtual std::shared_ptr<const ReceivedModel> newest() const = 0;

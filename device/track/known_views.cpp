@@ -70,8 +70,11 @@ std::vector<const KnownView*> KnownViews::similar_to(const GreyImage& grey, std:
 
 std::optional<RobustPose> pose_from_view(const KnownView& view, const GreyImage& grey, const Camera& camera,
                                          int min_inliers) {
+  FeatureSet features;
+  std::copy_if(view.features.begin(), view.features.end(), std::back_inserter(features),
+               [](const Feature& feature) { return feature.trusted; });
   std::vector<Eigen::Vector2d> pixels;
-  for (const auto& feature : view.features) pixels.push_back(feature.pixel);
+  for (const auto& feature : features) pixels.push_back(feature.pixel);
   FlowOptions flow;
   flow.window_px = 31;
   flow.pyramid_levels = 5;
@@ -79,7 +82,7 @@ std::optional<RobustPose> pose_from_view(const KnownView& view, const GreyImage&
   const auto tracked = track_points(view.grey, grey, pixels, {}, flow);
   std::vector<PointObservation> observations;
   for (std::size_t i = 0; i < tracked.size(); ++i) {
-    if (tracked[i].found) observations.push_back({view.features[i].p_world, tracked[i].pixel, 1});
+    if (tracked[i].found) observations.push_back({features[i].p_world, tracked[i].pixel, 1});
   }
   RobustPoseOptions options;
   options.min_inliers = min_inliers;

@@ -54,6 +54,7 @@ class FeatureModelTracker final : public ModelTracker {
  private:
   [[nodiscard]] std::optional<Alignment> go_on(const Model& model, const Picture& picture, double timestamp_s);
   [[nodiscard]] std::optional<Alignment> recover(const Model& model, const Picture& picture, double timestamp_s) const;
+  [[nodiscard]] bool is_sure(const std::optional<Alignment>& found) const;
   [[nodiscard]] std::optional<Alignment> found_from(const Model& model, const Picture& picture,
                                                     const Pose& start) const;
   [[nodiscard]] TrackedPose accept(Alignment found, Picture picture, double timestamp_s, TrackState state);
@@ -76,16 +77,18 @@ class FeatureModelTracker final : public ModelTracker {
 void FeatureModelTracker::start_at(const Pose& T_camera_world) {
   features_.clear();
   before_.reset();
+  doubtful_frames_ = 0;
   mode_ = is_rigid(T_camera_world) ? Mode::starting : Mode::idle;
   last_.T_camera_world = T_camera_world;
 }
 
+bool FeatureModelTracker::is_sure(const std::optional<Alignment>& found) const {
+  return found && found->inliers() >= options_.min_inliers && found->agreeing_share() >= kShareToStart &&
+         is_certain(found->covariance);
+}
+
 std::optional<Alignment> FeatureModelTracker::found_from(const Model& model, const Picture& picture,
                                                          const Pose& start) const {
-  const auto is_sure = [&](const std::optional<Alignment>& found) {
-    return found && found->inliers() >= options_.min_inliers && found->agreeing_share() >= kShareToStart &&
-           is_certain(found->covariance);
-  };
   // The smallest correction that fits wins: a wide search also finds an object that was moved, and would follow it.
   if (auto found = align_closely(*renderer_, model, camera_, picture, start, {}); is_sure(found)) return found;
   if (auto found = align_widely(*renderer_, model, camera_, picture, start); is_sure(found)) return found;
@@ -103,22 +106,20 @@ std::optional<Alignment> FeatureModelTracker::go_on(const Model& model, const Pi
   if (!pose) return found_from(model, picture, prediction);
 
   auto found = align_closely(*renderer_, model, camera_, picture, pose->T_camera_world, followed);
-  if (!found || found->agreeing_share() < kShareToStart) {
+  if (!is_sure(found)) {
     // What is followed may lie on something that the model does not have; the model itself then says so.
     auto without = align_closely(*renderer_, model, camera_, picture, prediction, {});
-    if (without && (!found || without->agreeing_share() > found->agreeing_share())) found = std::move(without);
+    if (is_sure(without)) found = std::move(without);
   }
-  if (!found) return std::nullopt;
-  doubtful_frames_ = found->agreeing_share() < kShareToGoOn ? doubtful_frames_ + 1 : 0;
-  if (doubtful_frames_ > kMaxDoubtfulFrames) return std::nullopt;
   return found;
 }
 
 std::optional<Alignment> FeatureModelTracker::recover(const Model& model, const Picture& picture,
                                                       double timestamp_s) const {
   if (auto found = found_from(model, picture, last_.T_camera_world)) return found;
-  if (before_) {
-    if (auto found = found_from(model, picture, predict(before_, last_, timestamp_s))) return found;
+  const Pose prediction = predict(before_, last_, timestamp_s);
+  if (!prediction.isApprox(last_.T_camera_world)) {
+    if (auto found = found_from(model, picture, prediction)) return found;
   }
   for (const KnownView* view : known_views_.similar_to(picture.grey, kViewsToTry)) {
     const auto pose = pose_from_view(*view, picture.grey, camera_, options_.min_inliers);
@@ -146,7 +147,9 @@ TrackedPose FeatureModelTracker::accept(Alignment found, Picture picture, double
   result.covariance = found.covariance;
   result.quality = found.agreeing_share();
   result.inliers = found.inliers();
-  if (result.inliers < options_.min_inliers || !is_certain(result.covariance)) return lose(timestamp_s);
+  doubtful_frames_ = result.quality < kShareToGoOn ? doubtful_frames_ + 1 : 0;
+  const bool doubtful = doubtful_frames_ > kMaxDoubtfulFrames;
+  if (result.inliers < options_.min_inliers || !is_certain(result.covariance) || doubtful) return lose(timestamp_s);
 
   features_ = judged(std::move(found.features), camera_, T_camera_world);
   features_ = replenished(std::move(features_), picture.grey, picture.contrast, found.view, T_camera_world,

@@ -17,12 +17,13 @@ struct ModelTrackerOptions {
 };
 
 /// KLT features take their world coordinates from the model's rendered depth at the pose of the frame they were found
-/// in; the pose follows from them, and is then held to the coloured model itself: corners of the model, rendered at
-/// that pose, are found in the camera image (so errors do not add up). One thread, that of the context.
+/// in; the pose follows from them, and is then held to the model itself, so that errors do not add up: corners of its
+/// colours and edges of its shape, rendered at that pose, are found in the camera image. One thread, that of the
+/// context.
 class ModelTracker {
  public:
-  static Result<std::unique_ptr<ModelTracker>> create(GpuContext& context, const Camera& camera,
-                                                      const ModelTrackerOptions& options);
+  [[nodiscard]] static Result<std::unique_ptr<ModelTracker>> create(GpuContext& context, const Camera& camera,
+                                                                    const ModelTrackerOptions& options);
   virtual ~ModelTracker() = default;
   /// Starts (again) from a known pose: T_camera_world of the next frame.
   virtual void start_at(const Pose& T_camera_world) = 0;

@@ -6,8 +6,9 @@
 
 namespace meshloop::adjust {
 
-/// What the colour camera sees of points in the depth camera's frame (equation 4), with visibility between the two
-/// cameras resolved: all measured surfaces are drawn into a depth buffer of the colour camera first.
+/// What the colour camera sees of points in the depth camera's frame (common/geometry/README.md, equation 4), with
+/// visibility between the two cameras resolved: all measured surfaces are drawn into a depth buffer of the colour
+/// camera first.
 class ColorLookup {
  public:
   /// The snapshot's frame must outlive this.

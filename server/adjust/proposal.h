@@ -62,7 +62,8 @@ struct AdjustOptions {
 [[nodiscard]] Result<std::vector<Edit>> merge_edits(const Model& model, const std::vector<Proposal>& accepted);
 
 /// The depth grid of a region as a submesh in the world, coloured from the colour image, on the scene's lattice.
-/// Positions follow equations 2 and 3 of the design; colours equation 4. A point that the colour camera does not see
+/// Positions are the depth pixels, back-projected and carried to the world; colours are looked up where the colour
+/// camera sees them (common/geometry/README.md, "From a depth pixel"). A point that the colour camera does not see
 /// takes the colour of the nearest one of the patch that it does see, or mid grey. No triangles when nothing is to be
 /// inserted.
 [[nodiscard]] Submesh insertion_patch(const Snapshot& snapshot, RegionId region, const AdjustOptions& options);

@@ -19,10 +19,9 @@ class RecordingSource : public RgbdSource {
   };
 
   /// Refuses a recording without depth images. `rig_file` replaces the recording's own rig.yaml.
-  static Result<std::unique_ptr<RecordingSource>> open(const std::filesystem::path& folder,
-                                                       const std::optional<std::filesystem::path>& rig_file,
-                                                       Options options);
-  static Result<std::unique_ptr<RecordingSource>> open(
+  [[nodiscard]] static Result<std::unique_ptr<RecordingSource>> open(
+      const std::filesystem::path& folder, const std::optional<std::filesystem::path>& rig_file, Options options);
+  [[nodiscard]] static Result<std::unique_ptr<RecordingSource>> open(
       const std::filesystem::path& folder, const std::optional<std::filesystem::path>& rig_file = std::nullopt) {
     return open(folder, rig_file, Options{});
   }

@@ -15,7 +15,7 @@ class RgbdSource {
   /// Cameras without distortion, as the frames are.
   [[nodiscard]] virtual const Rig& rig() const = 0;
   /// The next frame; nothing at the end of a recording. A frame that cannot be read is an error; the source can go on.
-  virtual Result<std::optional<RgbdFrame>> next() = 0;
+  [[nodiscard]] virtual Result<std::optional<RgbdFrame>> next() = 0;
 };
 
 }  // namespace meshloop

@@ -1,5 +1,7 @@
 #include "server/compare/comparator.h"
 
+#include <fmt/format.h>
+
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -189,7 +191,13 @@ Result<Comparison> GlComparator::compare(const CompareInput& input, CompareTimes
   lap(&CompareTimes::render_ms);
   draw(input);
   lap(&CompareTimes::compare_ms);
-  auto result = unpack(read_back(), measured);
+  const auto packed = read_back();
+  // Without this an image that the driver had no room for would read as "nothing was measured".
+  if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
+    return fail(fmt::format("the graphics driver could not compare {} x {} pixels (OpenGL error {:#x})",
+                            measured.width(), measured.height(), error));
+  }
+  auto result = unpack(packed, measured);
   lap(&CompareTimes::readback_ms);
   return result;
 }

@@ -34,10 +34,10 @@ struct CompareTimes {
 /// On the GPU. One thread, that of the context.
 class Comparator {
  public:
-  static Result<std::unique_ptr<Comparator>> create(GpuContext& context);
+  [[nodiscard]] static Result<std::unique_ptr<Comparator>> create(GpuContext& context);
   virtual ~Comparator() = default;
   /// Refuses a measured image of another size than the camera's, a pose that is lost or not rigid.
-  virtual Result<Comparison> compare(const CompareInput& input, CompareTimes* times) = 0;
+  [[nodiscard]] virtual Result<Comparison> compare(const CompareInput& input, CompareTimes* times) = 0;
 };
 
 /// The same on the CPU: given the expected depth, the contract of the shader. Reference for tests.

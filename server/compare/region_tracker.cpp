@@ -47,7 +47,7 @@ void add_pixel(Sums& sums, const PixelChange& pixel, const Camera& camera, const
   region.area_m2 += pixel.depth_m * pixel.depth_m / (camera.fx * camera.fy);
   region.pixel_box.extend(Eigen::Vector2i(pixel.u, pixel.v));
   region.world_box.extend(T_world_camera * camera.back_project(pixel.u, pixel.v, pixel.depth_m));
-  if (pixel.label == Label::unmodelled) {
+  if (!std::isfinite(pixel.difference_m)) {  // nothing was expected there
     sums.significance += kUnmodelledSignificance;
     return;
   }

@@ -67,8 +67,7 @@ void LabelScore::count_labels(Label truth, Label detected) {
 void LabelScore::count_recall(const Pixel& pixel, Label truth) {
   ++changes_.changed;
   if (pixel.detected == Label::undecided) ++changes_.changed_undecided;
-  const bool above = truth == Label::unmodelled ? pixel.detected != Label::undecided
-                                                : std::abs(pixel.measured - pixel.expected) > pixel.threshold_m;
+  const bool above = truth == Label::unmodelled || std::abs(pixel.measured - pixel.expected) > pixel.threshold_m;
   if (!above) return;
   ++changes_.above_threshold;
   if (kind_of(pixel.detected) == kind_of(truth)) ++changes_.found;

@@ -45,8 +45,8 @@ class LabelScore {
 
   /// Intersection over union of a label; 1 when neither the truth nor the detection has a pixel of it.
   [[nodiscard]] double iou(Label label) const;
-  /// Of the truly changed pixels whose true difference is above the threshold that the comparison stated for them: the
-  /// share that carries the right kind of change.
+  /// Of the truly changed pixels whose true difference is above the threshold that the comparison stated for them, and
+  /// of all truly unmodelled ones: the share that carries the right kind of change.
   [[nodiscard]] double recall() const;
   /// Of the truly unchanged pixels (true difference below 1 mm): the share inside a confirmed region.
   [[nodiscard]] double false_change() const;

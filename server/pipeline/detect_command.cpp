@@ -1,5 +1,6 @@
 // `detect`: a recording against a model, in batch.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -141,6 +142,16 @@ nlohmann::json score_json(const LabelScore& score) {
           {"pixels", pixels}};
 }
 
+// "12 closer, 0 farther, 7 unmodelled"
+std::string changes_text(const nlohmann::json& counts) {
+  std::vector<std::string> parts;
+  for (const auto& label : kLabels) {
+    if (!is_change(label.label)) continue;
+    parts.push_back(fmt::format("{} {}", counts[std::string{label.name}].get<std::size_t>(), label.name));
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
 void report(const DetectRun& run) {
   nlohmann::json json{{"frames", run.results}, {"time_ms", spread_json(run.total_ms)}};
   if (run.score) json["truth"] = score_json(*run.score);
@@ -153,10 +164,8 @@ void report(const DetectRun& run) {
       std::cout << fmt::format("frame {}: the pose is lost\n", frame["index"].get<int>());
       continue;
     }
-    const auto& counts = frame["counts"];
-    std::cout << fmt::format("frame {}: {} closer, {} farther, {} unmodelled pixels in {} regions\n",
-                             frame["index"].get<int>(), counts["closer"].get<int>(), counts["farther"].get<int>(),
-                             counts["unmodelled"].get<int>(), frame["regions"].size());
+    std::cout << fmt::format("frame {}: {} pixels in {} regions\n", frame["index"].get<int>(),
+                             changes_text(frame["counts"]), frame["regions"].size());
   }
   std::cout << "pictures and differences are in " << run.arguments.out << '\n';
 }

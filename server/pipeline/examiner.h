@@ -31,19 +31,20 @@ struct ExaminerOptions {
 /// One thread, that of the context.
 class Examiner {
  public:
-  static Result<Examiner> create(GpuContext& gpu, const Rig& rig, const ExaminerOptions& options);
+  [[nodiscard]] static Result<Examiner> create(GpuContext& gpu, const Rig& rig, const ExaminerOptions& options);
   /// Refuses a frame whose depth pose is lost.
-  Result<Examination> examine(const TrackedFrame& frame, const Model& model);
+  [[nodiscard]] Result<Examination> examine(const TrackedFrame& frame, const Model& model);
   /// The same frame again, after a surface was removed from the model where `removed` has a region that was confirmed:
   /// what stands there now needs no further frames. Only regions of which more than half lies in `removed` are
   /// confirmed.
-  Result<Examination> examine_behind(const TrackedFrame& frame, const Model& model, const RegionMap& removed);
+  [[nodiscard]] Result<Examination> examine_behind(const TrackedFrame& frame, const Model& model,
+                                                   const RegionMap& removed);
   /// The regions seen so far were those of another model.
   void model_changed() { regions_.reset(); }
 
  private:
   Examiner(std::unique_ptr<Comparator> comparator, Rig rig, const ExaminerOptions& options);
-  Result<Examination> examine(const TrackedFrame& frame, const Model& model, RegionTracker& regions);
+  [[nodiscard]] Result<Examination> examine(const TrackedFrame& frame, const Model& model, RegionTracker& regions);
 
   std::unique_ptr<Comparator> comparator_;
   Rig rig_;

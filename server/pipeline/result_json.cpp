@@ -1,9 +1,6 @@
 #include "server/pipeline/result_json.h"
 
-#include <iostream>
 #include <utility>
-
-#include "common/program/spread.h"
 
 namespace meshloop {
 namespace {
@@ -51,16 +48,6 @@ nlohmann::json revision_json(const RevisionInfo& info) {
           {"triangles_added", info.triangles_added},
           {"triangles_removed", info.triangles_removed},
           {"pictures", info.pictures.size()}};
-}
-
-nlohmann::json spread_json(std::vector<double> values) {
-  const auto spread = spread_of(std::move(values));
-  if (!spread) return nullptr;
-  return {{"median", spread->median}, {"p95", spread->p95}};
-}
-
-void print_json(const nlohmann::json& json) {
-  std::cout << json.dump(2) << '\n';
 }
 
 }  // namespace meshloop

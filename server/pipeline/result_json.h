@@ -1,9 +1,9 @@
 #pragma once
 // How results look as JSON. The keys are a contract: keys are added, never renamed.
 #include <nlohmann/json.hpp>
-#include <vector>
 
 #include "common/change/region.h"
+#include "common/program/json_output.h"
 #include "server/pipeline/examiner.h"
 #include "server/store/scene_store.h"
 
@@ -13,11 +13,5 @@ namespace meshloop {
 [[nodiscard]] nlohmann::json region_json(const Region& region);
 [[nodiscard]] nlohmann::json times_json(const Examination& examination);
 [[nodiscard]] nlohmann::json revision_json(const RevisionInfo& info);
-
-/// {"median": ..., "p95": ...}; null without values.
-[[nodiscard]] nlohmann::json spread_json(std::vector<double> values);
-
-/// One JSON document on stdout.
-void print_json(const nlohmann::json& json);
 
 }  // namespace meshloop

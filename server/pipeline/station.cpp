@@ -25,6 +25,8 @@ struct Station::Parts {
   /// The last revision's picture "after" is still to be made, from the next frame.
   bool after_is_due = false;
   PublishReport last_publish;
+  /// When the newest revision was accepted, while it could not be published.
+  std::optional<std::int64_t> unpublished_ns;
 };
 
 Station::Station(std::unique_ptr<Parts> parts) : parts_{std::move(parts)} {}
@@ -46,15 +48,17 @@ Result<std::unique_ptr<Station>> Station::create(const StationOptions& options, 
   if (!epoch) return fail(epoch.error());
   auto writer = SceneWriter::create(options.link);
   if (!writer) return fail(writer.error());
-  std::unique_ptr<Station> station{new Station{std::unique_ptr<Parts>{new Parts{options,
-                                                                                rig,
-                                                                                std::move(*gpu),
-                                                                                std::move(*examiner),
-                                                                                std::move(*store),
-                                                                                Publisher{std::move(*writer), *epoch},
-                                                                                std::nullopt,
-                                                                                false,
-                                                                                {}}}}};
+  std::unique_ptr<Parts> parts{new Parts{.options = options,
+                                         .rig = rig,
+                                         .gpu = std::move(*gpu),
+                                         .examiner = std::move(*examiner),
+                                         .store = std::move(*store),
+                                         .publisher = Publisher{std::move(*writer), *epoch},
+                                         .previous_pose = std::nullopt,
+                                         .after_is_due = false,
+                                         .last_publish = {},
+                                         .unpublished_ns = std::nullopt}};
+  std::unique_ptr<Station> station{new Station{std::move(parts)}};
   const auto model = station->parts_->store->model();
   if (auto done = station->publish(model, wall_clock_ns()); !done) return fail(done.error());
   station->tell({{"event", "serving"}, {"scene", options.link.scene}, {"revision", model->revision}});
@@ -63,12 +67,12 @@ Result<std::unique_ptr<Station>> Station::create(const StationOptions& options, 
 
 void Station::tell(nlohmann::json event) const {
   if (parts_->options.json) {
-    std::cout << event.dump() << std::endl;  // flushed: whoever reads this acts on it
+    std::cout << json_line(event) << std::endl;  // flushed: whoever reads this acts on it
     return;
   }
   std::string text = event["event"].get<std::string>();
   for (const auto& [key, value] : event.items()) {
-    if (key != "event" && !value.is_structured()) text += fmt::format("  {} {}", key, value.dump());
+    if (key != "event" && !value.is_structured()) text += fmt::format("  {} {}", key, json_line(value));
   }
   std::cout << text << std::endl;
 }
@@ -80,14 +84,21 @@ Status Station::publish(const std::shared_ptr<const Model>& model, std::int64_t 
   return {};
 }
 
-Status Station::write_picture(const char* when, const TrackedFrame& tracked, const Examination& examination) {
-  if (parts_->options.out.empty()) return {};
+void Station::publish_or_retry(std::int64_t accepted_ns) {
+  const auto done = publish(parts_->store->model(), accepted_ns);
+  if (!done) log_warning("{}; the revision is kept, and will be sent again", done.error().message);
+  parts_->unpublished_ns = done ? std::nullopt : std::optional{accepted_ns};
+}
+
+void Station::write_picture(const char* when, const TrackedFrame& tracked, const Examination& examination) {
+  if (parts_->options.out.empty()) return;
   const auto revision = parts_->store->model()->revision;
   OverlayOptions options;
   options.title = fmt::format("frame {}, {} revision {}", tracked.frame.index, when, revision);
   const auto picture = overlay_on_color(examination.comparison, tracked.frame.depth, tracked.frame.color, parts_->rig,
                                         &examination.regions, options);
-  return write_png(parts_->options.out / fmt::format("revision_{:04}_{}.png", revision, when), picture);
+  const auto file = parts_->options.out / fmt::format("revision_{:04}_{}.png", revision, when);
+  if (auto done = write_png(file, picture); !done) log_warning("{}; going on without it", done.error().message);
 }
 
 Status Station::accept(const TrackedFrame& tracked, const Examination& examination) {
@@ -101,11 +112,11 @@ Status Station::accept(const TrackedFrame& tracked, const Examination& examinati
                                         &examination.regions, options);
   auto acceptance = accept_changes(*parts_->store, proposals, "automatic", picture);
   if (!acceptance) return fail("accepting", acceptance.error());
-  if (auto done = publish(acceptance->model, acceptance->info.accepted_ns); !done) return done;
+  publish_or_retry(acceptance->info.accepted_ns);
   tell_revision(tracked, *acceptance, snapshot_ms);
   parts_->examiner.model_changed();
   parts_->after_is_due = true;
-  if (auto done = write_picture("before", tracked, examination); !done) return done;
+  write_picture("before", tracked, examination);
   return acceptance->info.triangles_removed > 0 ? accept_behind(tracked, examination) : Status{};
 }
 
@@ -134,6 +145,7 @@ void Station::tell_revision(const TrackedFrame& tracked, const Acceptance& accep
 }
 
 Status Station::handle(const TrackedFrame& tracked) {
+  if (parts_->unpublished_ns) publish_or_retry(*parts_->unpublished_ns);
   const auto wait = reason_to_wait(tracked, parts_->previous_pose);
   parts_->previous_pose = tracked.depth_pose;
   nlohmann::json event{{"event", "frame"},
@@ -156,16 +168,21 @@ Status Station::handle(const TrackedFrame& tracked) {
   tell(std::move(event));
   if (parts_->after_is_due) {
     parts_->after_is_due = false;
-    if (auto done = write_picture("after", tracked, *examination); !done) return done;
+    write_picture("after", tracked, *examination);
   }
   if (confirmed == 0 || wait || !parts_->options.accept_all) return {};
   return accept(tracked, *examination);
 }
 
-void Station::serve() const {
+void Station::serve() {
+  constexpr double kRetry_ms = 1000;
   const Stopwatch watch;
+  double last_try_ms = 0;
   while (!stop_requested() && (parts_->options.serve_s < 0 || watch.milliseconds() < 1000 * parts_->options.serve_s)) {
     std::this_thread::sleep_for(std::chrono::milliseconds{20});
+    if (!parts_->unpublished_ns || watch.milliseconds() < last_try_ms + kRetry_ms) continue;
+    publish_or_retry(*parts_->unpublished_ns);
+    last_try_ms = watch.milliseconds();
   }
 }
 

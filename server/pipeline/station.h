@@ -32,22 +32,24 @@ struct StationOptions {
 class Station {
  public:
   /// Opens the store (which must exist), starts the network and publishes the present model.
-  static Result<std::unique_ptr<Station>> create(const StationOptions& options, const Rig& rig);
+  [[nodiscard]] static Result<std::unique_ptr<Station>> create(const StationOptions& options, const Rig& rig);
 
   /// Until the source ends, a stop signal arrives, or an error that cannot be gone around.
-  Status run(TrackedFrames& frames);
+  [[nodiscard]] Status run(TrackedFrames& frames);
 
  private:
   struct Parts;
   explicit Station(std::unique_ptr<Parts> parts);
-  Status handle(const TrackedFrame& tracked);
-  Status accept(const TrackedFrame& tracked, const Examination& examination);
+  [[nodiscard]] Status handle(const TrackedFrame& tracked);
+  [[nodiscard]] Status accept(const TrackedFrame& tracked, const Examination& examination);
   /// What stands where a surface was just removed: a box that moved back is there in the same snapshot.
-  Status accept_behind(const TrackedFrame& tracked, const Examination& examination);
+  [[nodiscard]] Status accept_behind(const TrackedFrame& tracked, const Examination& examination);
   void tell_revision(const TrackedFrame& tracked, const Acceptance& acceptance, double snapshot_ms) const;
-  Status publish(const std::shared_ptr<const Model>& model, std::int64_t accepted_ns);
-  Status write_picture(const char* when, const TrackedFrame& tracked, const Examination& examination);
-  void serve() const;
+  [[nodiscard]] Status publish(const std::shared_ptr<const Model>& model, std::int64_t accepted_ns);
+  /// What cannot be sent now (a reader does not keep up) is sent again with the next frame, or while serving.
+  void publish_or_retry(std::int64_t accepted_ns);
+  void write_picture(const char* when, const TrackedFrame& tracked, const Examination& examination);
+  void serve();
   void tell(nlohmann::json event) const;
 
  public:

@@ -28,16 +28,16 @@ struct TrackedFrame {
 /// A depth image is exposed between two colour images, so a frame comes out when the next one was tracked.
 class TrackedFrames {
  public:
-  static Result<TrackedFrames> create(std::unique_ptr<RgbdSource> source, PoseOptions options);
+  [[nodiscard]] static Result<TrackedFrames> create(std::unique_ptr<RgbdSource> source, PoseOptions options);
 
   [[nodiscard]] const Rig& rig() const { return source_->rig(); }
   /// Nothing at the end. A frame that cannot be read is left out with a warning; ten in a row are an error.
-  Result<std::optional<TrackedFrame>> next();
+  [[nodiscard]] Result<std::optional<TrackedFrame>> next();
 
  private:
   TrackedFrames(std::unique_ptr<RgbdSource> source, std::optional<Trajectory> trajectory,
                 std::unique_ptr<RigTracker> tracker);
-  Result<std::optional<TrackedFrame>> track_one();
+  [[nodiscard]] Result<std::optional<TrackedFrame>> track_one();
   [[nodiscard]] TrackedPose color_pose_of(const RgbdFrame& frame);
   [[nodiscard]] TrackedFrame finished(TrackedFrame frame, const TrackedPose& before, const TrackedPose& after) const;
 

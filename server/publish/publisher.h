@@ -28,7 +28,7 @@ class Publisher {
   /// The first call sends the whole model. When it fails nothing that clients show has changed, and the next call sends
   /// again what this one should have sent. A node whose encoding is larger than kMaxPayloadBytes is an error. Names are
   /// cut to kMaxNameBytes. `accepted_ns` is the wall clock of the acceptance (nanoseconds since 1970).
-  Result<PublishReport> publish(const std::shared_ptr<const Model>& model, std::int64_t accepted_ns);
+  [[nodiscard]] Result<PublishReport> publish(const std::shared_ptr<const Model>& model, std::int64_t accepted_ns);
   [[nodiscard]] int readers() const { return writer_->readers(); }
 
  private:

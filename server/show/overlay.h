@@ -25,9 +25,9 @@ struct OverlayOptions {
 [[nodiscard]] ColorImage overlay_on_depth(const Comparison& comparison, const DepthImage& measured,
                                           const OverlayOptions& options);
 
-/// Over the colour image in grey: each depth pixel is carried into the colour camera (equations 2 to 4 of the design)
-/// as a small surface, visibility resolved by depth. Confirmed regions are framed and numbered when `regions` is not
-/// null.
+/// Over the colour image in grey: each depth pixel is carried into the colour camera (common/geometry/README.md, "From
+/// a depth pixel") as a small surface, visibility resolved by depth. Confirmed regions are framed and numbered when
+/// `regions` is not null.
 [[nodiscard]] ColorImage overlay_on_color(const Comparison& comparison, const DepthImage& measured,
                                           const ColorImage& color, const Rig& rig, const RegionMap* regions,
                                           const OverlayOptions& options);

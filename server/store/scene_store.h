@@ -32,7 +32,7 @@ struct RevisionInfo {
 class SceneStore {
  public:
   /// Creates the file when it is not there. A damaged or foreign file is refused, unchanged.
-  static Result<std::unique_ptr<SceneStore>> open(const std::filesystem::path& file, bool create);
+  [[nodiscard]] static Result<std::unique_ptr<SceneStore>> open(const std::filesystem::path& file, bool create);
   virtual ~SceneStore() = default;
 
   [[nodiscard]] virtual std::shared_ptr<const Model> model() const = 0;
@@ -42,11 +42,12 @@ class SceneStore {
   /// Applies the edits as a new revision after the present one and returns when it is on the disk. Revisions after the
   /// present one (undone ones) stay in the journal, but redo no longer reaches them. The info's revision and parent are
   /// filled in by the store, accepted_ns too where it is 0. Refuses to add a node under an id that any revision used.
-  virtual Result<std::shared_ptr<const Model>> commit(const std::vector<Edit>& edits, RevisionInfo info) = 0;
+  [[nodiscard]] virtual Result<std::shared_ptr<const Model>> commit(const std::vector<Edit>& edits,
+                                                                    RevisionInfo info) = 0;
 
   /// Undo and redo are new revisions too: numbers only grow, so that devices never see one number with two contents.
-  virtual Result<std::shared_ptr<const Model>> undo() = 0;
-  virtual Result<std::shared_ptr<const Model>> redo() = 0;
+  [[nodiscard]] virtual Result<std::shared_ptr<const Model>> undo() = 0;
+  [[nodiscard]] virtual Result<std::shared_ptr<const Model>> redo() = 0;
 
   /// Oldest first.
   [[nodiscard]] virtual Result<std::vector<RevisionInfo>> log() const = 0;
@@ -54,7 +55,7 @@ class SceneStore {
   [[nodiscard]] virtual Result<std::shared_ptr<const Model>> model_at(Revision revision) const = 0;
 
   /// A number that grows by one with each call and survives restarts: the station's start counter.
-  virtual Result<std::uint64_t> begin_epoch() = 0;
+  [[nodiscard]] virtual Result<std::uint64_t> begin_epoch() = 0;
 };
 
 }  // namespace meshloop

@@ -21,7 +21,7 @@ class Statement;
 class Database {
  public:
   enum class Access { read_only, read_write, create };
-  static Result<Database> open(const std::filesystem::path& file, Access access);
+  [[nodiscard]] static Result<Database> open(const std::filesystem::path& file, Access access);
 
   /// Statements without results and parameters, separated by semicolons.
   [[nodiscard]] Status run(const char* sql);
@@ -85,7 +85,7 @@ class Statement {
 class Transaction {
  public:
   /// `sql`: BEGIN (a snapshot for reading) or BEGIN IMMEDIATE (for writing).
-  static Result<Transaction> begin(Database& database, const char* sql);
+  [[nodiscard]] static Result<Transaction> begin(Database& database, const char* sql);
   ~Transaction();
   Transaction(Transaction&& other) noexcept : database_{std::exchange(other.database_, nullptr)} {}
   Transaction& operator=(Transaction&&) = delete;

@@ -11,7 +11,7 @@ namespace meshloop {
 class WriterLock {
  public:
   /// Waits a second for another writer to finish.
-  static Result<WriterLock> take(const std::filesystem::path& scene);
+  [[nodiscard]] static Result<WriterLock> take(const std::filesystem::path& scene);
   ~WriterLock();
   WriterLock(WriterLock&& other) noexcept;
   WriterLock& operator=(WriterLock&&) = delete;

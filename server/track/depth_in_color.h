@@ -22,7 +22,8 @@ struct DepthInColor {
 };
 
 /// T_color_depth includes how the rig moved between the two exposures. A depth image that has not the size of rig.depth
-/// (rig.color when registered) gives no measurements. Equations 2 to 4 of the design, without the world between.
+/// (rig.color when registered) gives no measurements. common/geometry/README.md, "From a depth pixel", without the
+/// world between.
 [[nodiscard]] DepthInColor depth_in_color(const Rig& rig, const DepthImage& depth, const Pose& T_color_depth);
 
 /// The depth at a pixel of the one surface around it: inverse depth is linear in the image of a plane, so a plane

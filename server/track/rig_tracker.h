@@ -21,14 +21,15 @@ struct RigTrackerOptions {
 class RigTracker {
  public:
   /// Refuses options with neither markers nor a first pose.
-  static Result<std::unique_ptr<RigTracker>> create(const Rig& rig, const RigTrackerOptions& options);
+  [[nodiscard]] static Result<std::unique_ptr<RigTracker>> create(const Rig& rig, const RigTrackerOptions& options);
   virtual ~RigTracker() = default;
   /// T_color_world at the frame's colour time. Frames must come in order of time.
   virtual TrackedPose track(const RgbdFrame& frame) = 0;
 };
 
-/// T_depth_world at the depth image's time from the colour poses before and after it (equation 1 of the design, with
-/// interpolation on SE(3)). Covariance is carried over to the depth camera's frame. Lost when both are lost.
+/// T_depth_world at the depth image's time from the colour poses before and after it (common/geometry/README.md, "From
+/// a depth pixel", with interpolation on SE(3)). Covariance is carried over to the depth camera's frame. Lost when both
+/// are lost.
 [[nodiscard]] TrackedPose depth_pose_at(const Rig& rig, const TrackedPose& color_before, const TrackedPose& color_after,
                                         double depth_timestamp_s);
 

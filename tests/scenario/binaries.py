@@ -3,7 +3,7 @@ import re
 
 import programs
 
-FORBIDDEN = re.compile(r"sqlite|OpenNI|freenect|SDL|imgui|gtk|Qt|wayland|libX11|opencv_(highgui|imgcodecs|viz)|assimp-gui", re.I)
+FORBIDDEN = re.compile(r"sqlite|OpenNI|freenect|SDL|imgui|gtk|Qt|opencv_(highgui|imgcodecs|viz)|assimp-gui", re.I)
 
 
 def needed(program):

@@ -9,7 +9,7 @@
 namespace meshloop {
 namespace {
 
-// design.md's numbers of the label images.
+// The numbers of the label images, which never change.
 static_assert(static_cast<int>(Label::unmeasured) == 0 && static_cast<int>(Label::unmodelled) == 1 &&
               static_cast<int>(Label::closer) == 2 && static_cast<int>(Label::farther) == 3 &&
               static_cast<int>(Label::agrees) == 4 && static_cast<int>(Label::undecided) == 5);
@@ -47,8 +47,12 @@ TEST(Comparison, CountsThePixelsOfEachLabel) {
   comparison.labels = Image<Label>{4, 2, Label::agrees};
   comparison.labels(0, 0) = Label::closer;
   comparison.labels(3, 1) = Label::undecided;
-  EXPECT_EQ(comparison.counts(), (std::array<std::size_t, 6>{0, 0, 1, 0, 6, 1}));
-  EXPECT_EQ(Comparison{}.counts(), (std::array<std::size_t, 6>{}));
+  std::array<std::size_t, kLabels.size()> expected{};
+  expected[static_cast<std::size_t>(Label::agrees)] = 6;
+  expected[static_cast<std::size_t>(Label::closer)] = 1;
+  expected[static_cast<std::size_t>(Label::undecided)] = 1;
+  EXPECT_EQ(comparison.counts(), expected);
+  EXPECT_EQ(Comparison{}.counts(), (std::array<std::size_t, kLabels.size()>{}));
 }
 
 }  // namespace

@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/program/json_output.h"
 #include "common/program/program.h"
-#include "common/program/spread.h"
 
 namespace meshloop {
 namespace {
@@ -30,11 +30,13 @@ TEST(SplitKind, SplitsAtTheFirstColon) {
 }
 
 TEST(Spread, IsTheMiddleAndTheSlowest) {
-  EXPECT_FALSE(spread_of({}));
-  const auto spread = spread_of({5, 1, 3, 2, 4});
-  ASSERT_TRUE(spread);
-  EXPECT_EQ(spread->median, 3);
-  EXPECT_EQ(spread->p95, 5);
+  EXPECT_TRUE(spread_json({}).is_null());
+  EXPECT_EQ(spread_json({5, 1, 3, 2, 4}), (nlohmann::json{{"median", 3.0}, {"p95", 5.0}}));
+}
+
+TEST(JsonOutput, ReplacesBytesThatAreNoUtf8) {
+  EXPECT_EQ(json_line({{"name", "r\xe4um"}}), "{\"name\":\"r\xef\xbf\xbdum\"}");
+  EXPECT_EQ(json_page({{"a", 1}}), "{\n  \"a\": 1\n}\n");
 }
 
 int run(std::vector<std::string> words, const Action& action) {

@@ -12,7 +12,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-// The example of design.md, with numbers for its letters.
+// Every key that common/recording/README.md lists.
 constexpr const char* kExample = R"(
 color: {width: 640, height: 480, fx: 525.0, fy: 525.0, cx: 319.5, cy: 239.5, distortion: [0.1, -0.2, 0.001, 0.002, 0.3]}
 depth: {width: 320, height: 240, fx: 285.0, fy: 285.0, cx: 159.5, cy: 119.5, distortion: [0, 0, 0, 0, 0]}

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -165,7 +166,8 @@ TEST(Insertion, ColorsComeFromTheColorCamera) {
   WorldOptions options;
   options.T_depth_color = make_pose({0.025, 0, 0}, Eigen::Quaterniond::Identity());
   options.paint = [](const Eigen::Vector3d& p) {
-    return Rgb8{static_cast<std::uint8_t>(128 + 400 * p.x()), static_cast<std::uint8_t>(128 + 400 * p.y()), 77};
+    const auto shade = [](double at_m) { return static_cast<std::uint8_t>(std::clamp(128 + 400 * at_m, 0.0, 255.0)); };
+    return Rgb8{shade(p.x()), shade(p.y()), 77};
   };
   const auto world = make_world({kWall, kObject}, Pose::Identity(), options);
   const auto patch = insertion_patch(world->snapshot(), world->region(ChangeKind::insertion).id, {});
