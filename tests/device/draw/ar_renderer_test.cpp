@@ -1,5 +1,6 @@
 #include "device/draw/ar_renderer.h"
 
+#include <GLES3/gl31.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -63,6 +64,8 @@ class ArRendererTest : public testing::Test {
     ASSERT_TRUE(renderer) << renderer.error().message;
     renderer_ = std::move(*renderer);
   }
+
+  void TearDown() override { EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR)); }
 
   ColorImage draw(const Model* model, const std::vector<VirtualObject>& objects,
                   const Pose& T_camera_world = Pose::Identity(), bool tracked = true) {
@@ -209,6 +212,36 @@ TEST_F(ArRendererTest, DrawsTheSameTwice) {
   const Model floor = model_of(rectangle({-1, -1}, {1, 1}, 1));
   const auto objects = one(box({0, 0, 0.8f}, 0.2f, {230, 30, 30}));
   EXPECT_EQ(draw(&floor, objects), draw(&floor, objects));
+}
+
+TEST_F(ArRendererTest, WhereTheLastObjectWasLeavesNoTrace) {
+  // Only the part of the picture around an object and its shadow is drawn: the parts here meet, end with the picture,
+  // reach behind the camera, and lie beside the view.
+  const Model floor = model_of(rectangle({-2, -2}, {0.05f, 2}, 1));
+  const std::vector<Eigen::Vector3f> centres{{0, 0, 0.8f},        {-0.45f, -0.3f, 0.9f}, {0.3f, 0.2f, 0.7f},
+                                             {0.1f, 0.1f, 0.05f}, {3, 0, 0.8f},          {0.02f, 0.02f, 1.05f}};
+  for (const auto& centre : centres) {
+    const auto objects = one(box(centre, 0.2f, {230, 30, 30}));
+    const ColorImage reused = draw(&floor, objects);
+    auto fresh = ArRenderer::create(*context_);
+    ASSERT_TRUE(fresh);
+    std::swap(renderer_, *fresh);
+    EXPECT_EQ(draw(&floor, objects), reused) << centre.transpose();
+    std::swap(renderer_, *fresh);
+  }
+}
+
+TEST_F(ArRendererTest, AnObjectLooksTheSameWhateverElseIsDrawn) {
+  const Model floor = model_of(rectangle({-2, -2}, {0.05f, 2}, 1));
+  auto objects = one(box({0, 0, 0.8f}, 0.2f, {230, 30, 30}));
+  const ColorImage alone = draw(&floor, objects);
+  // A second one that reaches behind the camera, so that the whole picture is drawn; it hides and shades nothing.
+  objects.push_back(one(rectangle({0.01f, 0.01f}, {0.011f, 0.011f}, -0.1f)).front());
+  const ColorImage both = draw(&floor, objects);
+  int differ = 0;
+  for (std::size_t i = 0; i < alone.size(); ++i) differ += same(alone.pixels()[i], both.pixels()[i], 12) ? 0 : 1;
+  // The shadow's map is coarser around two.
+  EXPECT_LT(differ, 0.002 * static_cast<double>(alone.size()));
 }
 
 TEST_F(ArRendererTest, ObjectsThatCannotBeDrawnAreLeftOut) {
