@@ -29,6 +29,8 @@ while [ $# -gt 0 ]; do
 done
 
 . "$here/lib/demo_steps.sh"
+[[ $noise =~ ^[0-9]+(\.[0-9]+)?$ && $seed =~ ^[0-9]+$ ]] || { usage >&2; exit 2; }
+check_out "$out"
 
 if [ "$real" = yes ]; then "$here/lib/install_packages.sh" build real; else "$here/lib/install_packages.sh" build; fi
 build_programs

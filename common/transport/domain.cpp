@@ -88,7 +88,7 @@ void leave_domain(Registry& all, unsigned number) {
 }  // namespace
 
 Result<std::string> domain_configuration(const std::vector<std::string>& peers, const std::string& user_configuration) {
-  std::string elements = R"(<Peer Address="localhost"/>)";
+  std::string elements = R"(<Peer Address="127.0.0.1"/>)";
   for (const auto& peer : peers) {
     if (!is_host(peer)) {
       return fail(

@@ -13,11 +13,16 @@ build_programs() {
   cmake --build "$root/build/release" --target meshloop-station meshloop-device
 }
 
-# An old result is removed only where an old result is.
-prepare_out() {
-  if [ -e "$1" ] && [ ! -e "$1/.meshloop-demo" ] && [ -n "$(ls -A "$1" 2>/dev/null)" ]; then
+# An old result is removed only where an old result is, and nothing is built for a folder that cannot be used.
+check_out() {
+  [ -n "$1" ] || stop "--out needs the name of a folder"
+  if [ -e "$1" ] && [ ! -e "$1/.meshloop-demo" ] && [ -n "$(ls -A "$1" 2>&1)" ]; then
     stop "'$1' is there and is no earlier demo's folder; name another with --out"
   fi
+  mkdir -p "$1" 2>/dev/null && [ -w "$1" ] || stop "the folder '$1' cannot be made or written; name another with --out"
+}
+
+prepare_out() {
   rm -rf "$1"
   mkdir -p "$1/data" "$1/device" "$1/views" && touch "$1/.meshloop-demo"
 }
@@ -78,19 +83,24 @@ track() {
     --draw "$out/views/$1" --every "$view_every" "${object[@]}" --json >"$out/views/$1.json"
 }
 
+# track_before_and_after NAME REVISION REVISION RECORDING
+track_before_and_after() {
+  track "$1_before" "$out/data/revision_$2.glb" "$4" &
+  local before=$!
+  track "$1_after" "$out/data/revision_$3.glb" "$4" &
+  both $before $! "tracking ($1)"
+}
+
 # detect NAME MODEL FRAMES: the station's frames against a model, scored against the truth
 detect() {
   "$bin/meshloop-station" detect --model "$2" --recording "$station" "${start[@]}" --frames "$3" \
     --truth "$out/data/station_truth" --out "$out/detect_$1" --json >"$out/detect_$1.json"
 }
 
-
-in_parallel() {
-  local first second
-  eval "$1" & first=$!
-  eval "$2" & second=$!
-  wait $first || stop "failed: $1"
-  wait $second || stop "failed: $2"
+# both PID PID WHAT: waits for two jobs.
+both() {
+  wait "$1" || stop "$3 failed"
+  wait "$2" || stop "$3 failed"
 }
 
 export_revisions() {
@@ -105,19 +115,19 @@ measure_simulated() {
   view_every=5
   say "detection against the exact truth"
   # Frames in which the camera dwells; between them it moves faster than anyone would capture.
-  in_parallel "detect first $model 0-2,11-13,22-25,34-37,46-49" \
-    "detect moved $out/data/model_before_move.ply 60-61,70-73,82-85,94-96,106-109"
+  detect first "$model" 0-2,11-13,22-25,34-37,46-49 &
+  local one=$!
+  detect moved "$out/data/model_before_move.ply" 60-61,70-73,82-85,94-96,106-109 &
+  both $one $! "detection"
   say "tracking on a full circle, with the model before and after each adjustment"
   export_revisions
-  local a=${revisions[0]} b=${revisions[1]} c=${revisions[2]}
-  in_parallel "track insertion_before $out/data/revision_$a.glb $device_first" "track insertion_after $out/data/revision_$b.glb $device_first"
-  in_parallel "track move_before $out/data/revision_$b.glb $device_last" "track move_after $out/data/revision_$c.glb $device_last"
+  track_before_and_after insertion "${revisions[0]}" "${revisions[1]}" "$device_first"
+  track_before_and_after move "${revisions[1]}" "${revisions[2]}" "$device_last"
 }
 
 measure_real() {
   view_every=1
   say "tracking with the model before and after the adjustment"
   export_revisions
-  in_parallel "track insertion_before $out/data/revision_${revisions[0]}.glb $device_first" \
-    "track insertion_after $out/data/revision_${revisions[2]}.glb $device_first"
+  track_before_and_after insertion "${revisions[0]}" "${revisions[2]}" "$device_first"
 }

@@ -119,7 +119,7 @@ def first_and_last(folder, pattern):
 
 
 # Where along the device's path the box stands between its camera and the lighthouse: behind its middle, behind its edge.
-VIEW_AT = {"insertion": 5 / 6, "move": 13 / 18}
+VIEW_AT = {"insertion": 24 / 36, "move": 22 / 36}
 
 
 def sample_view(out, name, when):

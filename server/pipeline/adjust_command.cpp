@@ -81,6 +81,10 @@ Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const Rig& rig,
   result["time_ms"] = {{"snapshot", watch.milliseconds()}};
   for (const auto& proposal : proposals) result["proposals"].push_back(proposal_json(proposal));
   const auto accepted = chosen(run, proposals);
+  if (!run.accept_all && accepted.size() != run.accepted_ids.size()) {
+    return fail(fmt::format("frame {} has {} proposals, and not all that --accept names are among them",
+                            tracked.frame.index, proposals.size()));
+  }
   if (!accepted.empty()) {
     const auto picture =
         overlay_on_color(examination->comparison, tracked.frame.depth, tracked.frame.color, rig, &examination->regions,

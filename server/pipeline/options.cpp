@@ -47,11 +47,12 @@ void RecordingArguments::add_source_options(CLI::App& command) {
   command.add_option("--init", init, "pose:tx,ty,tz,qx,qy,qz,qw of the first colour image, camera to world");
 }
 
-Result<TrackedFrames> RecordingArguments::open(bool real_time) const {
+Result<TrackedFrames> RecordingArguments::open(bool live, bool real_time) const {
   auto source = RecordingSource::open(recording, rig.empty() ? std::nullopt : std::optional<std::filesystem::path>{rig},
                                       {.real_time = real_time});
   if (!source) return fail(source.error());
   PoseOptions options;
+  options.skip_unreadable = live;
   const bool tracks = !markers.empty() || !init.empty();
   if (!poses.empty()) {
     auto trajectory = read_trajectory(poses);

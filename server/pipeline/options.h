@@ -23,7 +23,7 @@ struct RecordingArguments {
   void add_source_options(CLI::App& command);
   /// Opens the recording and decides where the poses come from: --poses, else --markers and --init, else the
   /// recording's groundtruth.txt (not for `track`, which makes poses).
-  [[nodiscard]] Result<TrackedFrames> open(bool real_time = false) const;
+  [[nodiscard]] Result<TrackedFrames> open(bool live = false, bool real_time = false) const;
 
  private:
   bool poses_allowed_ = true;

@@ -38,7 +38,7 @@ Status run(RunArguments arguments) {
   options.out = arguments.out;
   options.accept_all = arguments.accept == "all";
   if (options.link.scene.empty()) options.link.scene = options.scene.stem().string();
-  auto frames = arguments.recording.open(!arguments.fast);
+  auto frames = arguments.recording.open(true, !arguments.fast);
   if (!frames) return fail(frames.error());
   catch_stop_signals();
   auto station = Station::create(options, frames->rig());

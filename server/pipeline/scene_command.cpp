@@ -16,7 +16,7 @@ namespace {
 struct SceneArguments {
   std::string scene;
   std::string file;
-  Revision revision = 0;  // 0: the present one
+  std::optional<Revision> revision;  // none: the present one
   bool json = false;
 };
 
@@ -75,8 +75,8 @@ Status with_store(const SceneArguments& arguments, const StoreAction& action) {
 }
 
 Status scene_export(const SceneArguments& arguments, SceneStore& store) {
-  auto model = arguments.revision == 0 ? Result<std::shared_ptr<const Model>>{store.model()}
-                                       : store.model_at(arguments.revision);
+  auto model =
+      arguments.revision ? store.model_at(*arguments.revision) : Result<std::shared_ptr<const Model>>{store.model()};
   if (!model) return fail(model.error());
   return export_model(**model, arguments.file);
 }

@@ -27,8 +27,11 @@ TrackedPose given_pose(const Trajectory& trajectory, double timestamp_s) {
 }  // namespace
 
 TrackedFrames::TrackedFrames(std::unique_ptr<RgbdSource> source, std::optional<Trajectory> trajectory,
-                             std::unique_ptr<RigTracker> tracker)
-    : source_{std::move(source)}, trajectory_{std::move(trajectory)}, tracker_{std::move(tracker)} {}
+                             std::unique_ptr<RigTracker> tracker, bool skip_unreadable)
+    : source_{std::move(source)},
+      trajectory_{std::move(trajectory)},
+      tracker_{std::move(tracker)},
+      skip_unreadable_{skip_unreadable} {}
 
 Result<TrackedFrames> TrackedFrames::create(std::unique_ptr<RgbdSource> source, PoseOptions options) {
   std::unique_ptr<RigTracker> tracker;
@@ -37,7 +40,7 @@ Result<TrackedFrames> TrackedFrames::create(std::unique_ptr<RgbdSource> source, 
     if (!made) return fail(made.error());
     tracker = std::move(*made);
   }
-  return TrackedFrames{std::move(source), std::move(options.trajectory), std::move(tracker)};
+  return TrackedFrames{std::move(source), std::move(options.trajectory), std::move(tracker), options.skip_unreadable};
 }
 
 TrackedPose TrackedFrames::color_pose_of(const RgbdFrame& frame) {
@@ -45,14 +48,18 @@ TrackedPose TrackedFrames::color_pose_of(const RgbdFrame& frame) {
 }
 
 Result<std::optional<TrackedFrame>> TrackedFrames::track_one() {
+  std::optional<Error> last_error;
   for (int unreadable = 0;;) {
     auto frame = source_->next();
     if (!frame) {
-      if (++unreadable == kMaxUnreadable) return fail(frame.error());
+      if (!skip_unreadable_ || ++unreadable == kMaxUnreadable) return fail(frame.error());
+      last_error = frame.error();
       log_warning("{}; going on with the next frame", frame.error().message);
       continue;
     }
+    if (!*frame && last_error && !read_any_) return fail("no frame can be read", *last_error);
     if (!*frame) return std::nullopt;
+    read_any_ = true;
     const Stopwatch watch;
     TrackedFrame tracked{std::move(**frame), {}, {}, 0};
     tracked.color_pose = color_pose_of(tracked.frame);

@@ -15,6 +15,8 @@ namespace meshloop {
 struct PoseOptions {
   std::optional<Trajectory> trajectory;
   RigTrackerOptions tracker;
+  /// Live, a frame that cannot be read is left out with a warning; in batch it is an error.
+  bool skip_unreadable = false;
 };
 
 struct TrackedFrame {
@@ -31,12 +33,13 @@ class TrackedFrames {
   [[nodiscard]] static Result<TrackedFrames> create(std::unique_ptr<RgbdSource> source, PoseOptions options);
 
   [[nodiscard]] const Rig& rig() const { return source_->rig(); }
-  /// Nothing at the end. A frame that cannot be read is left out with a warning; ten in a row are an error.
+  /// Nothing at the end. With skip_unreadable a frame that cannot be read is left out with a warning; ten in a row, or
+  /// no other frame at all, are an error.
   [[nodiscard]] Result<std::optional<TrackedFrame>> next();
 
  private:
   TrackedFrames(std::unique_ptr<RgbdSource> source, std::optional<Trajectory> trajectory,
-                std::unique_ptr<RigTracker> tracker);
+                std::unique_ptr<RigTracker> tracker, bool skip_unreadable);
   [[nodiscard]] Result<std::optional<TrackedFrame>> track_one();
   [[nodiscard]] TrackedPose color_pose_of(const RgbdFrame& frame);
   [[nodiscard]] TrackedFrame finished(TrackedFrame frame, const TrackedPose& before, const TrackedPose& after) const;
@@ -44,6 +47,8 @@ class TrackedFrames {
   std::unique_ptr<RgbdSource> source_;
   std::optional<Trajectory> trajectory_;
   std::unique_ptr<RigTracker> tracker_;
+  bool skip_unreadable_;
+  bool read_any_ = false;
   std::optional<TrackedFrame> waiting_;
   std::optional<TrackedPose> previous_pose_;
 };

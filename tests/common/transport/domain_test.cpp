@@ -14,7 +14,7 @@ using testing::Not;
 TEST(Domain, AlwaysAsksThisMachineAndThenThePeers) {
   const auto settings = domain_configuration({"10.0.0.5", "station.local:7410"}, "");
   ASSERT_TRUE(settings);
-  EXPECT_THAT(*settings, HasSubstr(R"(<Peer Address="localhost"/><Peer Address="10.0.0.5"/>)"));
+  EXPECT_THAT(*settings, HasSubstr(R"(<Peer Address="127.0.0.1"/><Peer Address="10.0.0.5"/>)"));
   EXPECT_THAT(*settings, HasSubstr(R"(<Peer Address="station.local:7410"/>)"));
 }
 
