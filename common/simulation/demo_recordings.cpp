@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 
 constexpr double kStart_s = 1;
 constexpr double kStationPeriod_s = 0.1;
-constexpr double kDevicePeriod_s = 1.0 / 30;
+// A walk around the box in twelve seconds: a software renderer with two cores sees five pictures a second of it.
+constexpr double kDevicePeriod_s = 1.0 / 15;
 constexpr double kDepthDelay_s = 0.012;
 constexpr double kGap_s = 2;
 constexpr double kColorNoise = 2;
