@@ -1,12 +1,20 @@
 #include "common/gpu/mesh_cache.h"
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <utility>
 
+#include "common/base/clock.h"
 #include "common/gpu/projection.h"
 
 namespace meshloop {
 namespace {
+
+/// A smaller submesh costs less whole than its choice of clusters.
+constexpr std::size_t kWorthAHierarchy = 1024;
+/// What an update may spend on uploading hierarchies: a frame has 33.
+constexpr double kRefining_ms = 2;
 
 template <class T>
 void upload(GLenum target, const Buffer& buffer, const std::vector<T>& values) {
@@ -14,65 +22,104 @@ void upload(GLenum target, const Buffer& buffer, const std::vector<T>& values) {
   glBufferData(target, static_cast<GLsizeiptr>(values.size() * sizeof(T)), values.data(), GL_STATIC_DRAW);
 }
 
+template <class T>
+std::vector<T> in_order(const std::vector<T>& values, const std::vector<std::uint32_t>& order) {
+  std::vector<T> result;
+  result.reserve(order.size());
+  for (const auto position : order) result.push_back(values[position]);
+  return result;
+}
+
+void draw_triangles(std::uint32_t first, std::uint32_t count) {
+  const auto offset = std::uintptr_t{first} * sizeof(Triangle);
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * count), GL_UNSIGNED_INT,
+                 reinterpret_cast<const void*>(offset));
+}
+
 }  // namespace
 
 MeshCache::Entry::Entry(std::shared_ptr<const Submesh> uploaded) : submesh{std::move(uploaded)} {
   static_assert(sizeof(Eigen::Vector3f) == 12 && sizeof(Rgb8) == 3 && sizeof(Triangle) == 12);
-  glBindVertexArray(vertex_array.name());
-  upload(GL_ARRAY_BUFFER, positions, submesh->positions);
-  glEnableVertexAttribArray(0);
-  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, nullptr);
-  if (submesh->has_colors()) {
-    upload(GL_ARRAY_BUFFER, colors, submesh->colors);
-    glEnableVertexAttribArray(1);
-    glVertexAttribPointer(1, 3, GL_UNSIGNED_BYTE, GL_TRUE, 0, nullptr);
-  }
-  auto chunked = make_chunks(*submesh);
-  upload(GL_ELEMENT_ARRAY_BUFFER, indices, chunked.triangles);
+  upload_vertices(nullptr);
+  upload(GL_ELEMENT_ARRAY_BUFFER, indices, submesh->triangles);
   glBindVertexArray(0);
   mesh.vertex_array = vertex_array.name();
-  mesh.position_buffer = positions.name();
-  mesh.color_buffer = colors.name();
-  mesh.index_buffer = indices.name();
   mesh.index_count = static_cast<int>(3 * submesh->triangles.size());
   mesh.has_colors = submesh->has_colors();
   mesh.bounds = submesh->bounds();
-  mesh.chunks = std::move(chunked.chunks);
 }
 
-void draw_visible(const GpuMesh& mesh, const Eigen::Matrix4d& clip_from_mesh) {
-  if (mesh.index_count == 0 || is_outside_view(clip_from_mesh, mesh.bounds)) return;
-  glBindVertexArray(mesh.vertex_array);
-  int first = 0;
-  int count = 0;
-  const auto draw = [&] {
-    if (count == 0) return;
-    const auto offset = static_cast<std::uintptr_t>(first) * sizeof(GLuint);
-    glDrawElements(GL_TRIANGLES, count, GL_UNSIGNED_INT, reinterpret_cast<const void*>(offset));
-  };
-  for (const auto& chunk : mesh.chunks) {
-    if (is_outside_view(clip_from_mesh, chunk.bounds)) continue;
-    if (chunk.first_index != first + count) {
-      draw();
-      first = chunk.first_index;
-      count = 0;
-    }
-    count += chunk.index_count;
-  }
-  draw();
+// Leaves the vertex array bound.
+void MeshCache::Entry::upload_vertices(const std::vector<std::uint32_t>* order) {
+  glBindVertexArray(vertex_array.name());
+  upload(GL_ARRAY_BUFFER, positions, order == nullptr ? submesh->positions : in_order(submesh->positions, *order));
+  glEnableVertexAttribArray(0);
+  glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, nullptr);
+  if (!submesh->has_colors()) return;
+  upload(GL_ARRAY_BUFFER, colors, order == nullptr ? submesh->colors : in_order(submesh->colors, *order));
+  glEnableVertexAttribArray(1);
+  glVertexAttribPointer(1, 3, GL_UNSIGNED_BYTE, GL_TRUE, 0, nullptr);
 }
+
+void MeshCache::Entry::refine(std::unique_ptr<const ClusterHierarchy> built) {
+  upload_vertices(&built->vertex_order);
+  upload(GL_ELEMENT_ARRAY_BUFFER, indices, built->triangles);
+  glBindVertexArray(0);
+  hierarchy = std::move(built);
+  mesh.hierarchy = hierarchy.get();
+}
+
+MeshCache::MeshCache() = default;
+MeshCache::~MeshCache() = default;
 
 void MeshCache::update(const Model& model) {
   for (const auto& node : model.nodes) {
-    if (node.submesh != nullptr) entries_.try_emplace(node.submesh.get(), node.submesh);
+    if (node.submesh == nullptr) continue;
+    const bool is_new = entries_.try_emplace(node.submesh.get(), node.submesh).second;
+    if (!is_new || node.submesh->triangles.size() < kWorthAHierarchy) continue;
+    if (!builder_) builder_ = std::make_unique<HierarchyBuilder>(1);
+    builder_->ask(node.submesh);
   }
+  refine_ready(kRefining_ms);
   std::erase_if(entries_, [](const auto& item) { return item.second.submesh.use_count() == 1; });
+}
+
+void MeshCache::finish(const Model& model) {
+  update(model);
+  if (!builder_) return;
+  builder_->wait();
+  refine_ready(std::numeric_limits<double>::infinity());
+}
+
+void MeshCache::refine_ready(double milliseconds) {
+  if (!builder_) return;
+  const Stopwatch watch;
+  while (watch.milliseconds() < milliseconds) {
+    auto [submesh, hierarchy] = builder_->take();
+    if (!hierarchy) return;
+    const auto entry = entries_.find(submesh.get());
+    if (entry != entries_.end()) entry->second.refine(std::move(hierarchy));
+  }
 }
 
 const GpuMesh& MeshCache::mesh_of(const Node& node) const {
   static const GpuMesh kNothing;
   const auto found = entries_.find(node.submesh.get());
   return found == entries_.end() ? kNothing : found->second.mesh;
+}
+
+void MeshCache::draw(const Node& node, const Eigen::Matrix4d& clip_from_node, const Tolerance& tolerance) {
+  const GpuMesh& mesh = mesh_of(node);
+  if (mesh.index_count == 0 || is_outside_view(clip_from_node, mesh.bounds)) return;
+  glBindVertexArray(mesh.vertex_array);
+  if (mesh.hierarchy == nullptr) {
+    draw_triangles(0, static_cast<std::uint32_t>(mesh.index_count / 3));
+    return;
+  }
+  CutView view;
+  view.clip_from_mesh = clip_from_node.cast<float>();
+  view.tolerance = &tolerance;
+  for (const auto& [first, count] : cut_.choose(*mesh.hierarchy, view)) draw_triangles(first, count);
 }
 
 }  // namespace meshloop

@@ -137,13 +137,12 @@ void GlSceneRenderer::draw_nodes(const Model& model, const SceneView& view) cons
   glVertexAttrib4f(kColorAttribute, 0.5F, 0.5F, 0.5F, 0.5F);
   for (std::size_t i = 0; i < model.nodes.size(); ++i) {
     const Node& node = model.nodes[i];
-    const GpuMesh& mesh = context_.meshes().mesh_of(node);
     // The product is made in double: a float camera far from the origin would move what it sees.
     const Eigen::Matrix4d clip_from_node = clip_from_world * node.T_world_node.matrix();
     const Eigen::Matrix4f matrix = clip_from_node.cast<float>();
     glUniformMatrix4fv(kClipFromNode, 1, GL_FALSE, matrix.data());
     glUniform1ui(kNodeIndex, static_cast<GLuint>(i + 1));
-    draw_visible(mesh, part_from_clip * clip_from_node);
+    context_.meshes().draw(node, part_from_clip * clip_from_node, view.tolerance);
   }
 }
 

@@ -26,6 +26,8 @@ struct SceneView {
   std::optional<ScreenArea> area = std::nullopt;
   /// The node and the colour texture are left alone, which saves a part of the time.
   bool depth_only = false;
+  /// How far the drawn surfaces may lie from the model's, for the sake of speed. Colours are right only when it is exact.
+  Tolerance tolerance;
 };
 
 /// Renders into its own targets, which grow to the camera's size. One thread, that of the context.

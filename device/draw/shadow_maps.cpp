@@ -138,12 +138,12 @@ void ShadowMaps::draw_objects(const std::vector<const VirtualObject*>& objects, 
   }
 }
 
-void ShadowMaps::draw_model(const Model& model, const MeshCache& model_meshes) const {
+void ShadowMaps::draw_model(const Model& model, MeshCache& model_meshes) const {
   begin_map(framebuffer_, of_model_);
   for (const auto& node : model.nodes) {
     const Eigen::Matrix4d clip_from_node = box_.clip_from_world() * node.T_world_node.matrix();
     set_place(clip_from_node);
-    draw_visible(model_meshes.mesh_of(node), clip_from_node);
+    model_meshes.draw(node, clip_from_node, Tolerance{});
   }
 }
 

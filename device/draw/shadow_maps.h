@@ -53,7 +53,7 @@ class ShadowMaps {
 
   explicit ShadowMaps(Program program);
   void draw_objects(const std::vector<const VirtualObject*>& objects, const ObjectCache& cache) const;
-  void draw_model(const Model& model, const MeshCache& model_meshes) const;
+  void draw_model(const Model& model, MeshCache& model_meshes) const;
 
   Program program_;
   Texture of_objects_;

@@ -1,0 +1,185 @@
+#include "common/detail/cluster_hierarchy.h"
+
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "common/detail/grouping.h"
+#include "common/detail/local_mesh.h"
+#include "common/detail/simplify.h"
+#include "common/detail/working_cluster.h"
+
+namespace meshloop {
+namespace {
+
+constexpr std::size_t kTrianglesPerCluster = 128;
+constexpr std::size_t kVerticesPerCluster = 128;
+constexpr std::size_t kClustersPerGroup = 8;
+/// A group that keeps more of its triangles than this waits for other neighbours on the next level.
+constexpr double kWorthwhile = 0.8;
+
+/// Cuts into connected clusters.
+std::vector<std::vector<Triangle>> cut(const std::vector<Eigen::Vector3f>& all_positions,
+                                       const std::vector<Triangle>& all_triangles) {
+  const LocalMesh local = make_local(all_positions, all_triangles);
+  const auto& positions = local.positions;
+  const auto& triangles = local.triangles;
+  const std::size_t indices = 3 * triangles.size();
+  const std::size_t most = meshopt_buildMeshletsBound(indices, kVerticesPerCluster, kTrianglesPerCluster);
+  std::vector<meshopt_Meshlet> pieces(most);
+  std::vector<unsigned> vertices(most * kVerticesPerCluster);
+  std::vector<unsigned char> corners(most * kTrianglesPerCluster * 3);
+  pieces.resize(meshopt_buildMeshlets(pieces.data(), vertices.data(), corners.data(), triangles.front().data(), indices,
+                                      positions.front().data(), positions.size(), sizeof(Eigen::Vector3f),
+                                      kVerticesPerCluster, kTrianglesPerCluster, 0));
+  std::vector<std::vector<Triangle>> clusters;
+  for (const auto& piece : pieces) {
+    auto& cluster = clusters.emplace_back();
+    for (unsigned t = 0; t < piece.triangle_count; ++t) {
+      const auto vertex = [&](unsigned k) {
+        return vertices[piece.vertex_offset + corners[piece.triangle_offset + 3 * t + k]];
+      };
+      cluster.push_back(local.outside({vertex(0), vertex(1), vertex(2)}));
+    }
+  }
+  return clusters;
+}
+
+class Builder {
+ public:
+  explicit Builder(const Submesh& submesh) : submesh_{submesh} {}
+
+  ClusterHierarchy build() {
+    weld();
+    add_finest();
+    while (active_.size() > 1 && add_level()) {
+    }
+    order_vertices();
+    return std::move(result_);
+  }
+
+ private:
+  /// Vertices at one place become one, so that a seam of colours is no border.
+  void weld() {
+    const auto& triangles = submesh_.triangles;
+    std::vector<Triangle> welded(triangles.size());
+    meshopt_generateShadowIndexBuffer(welded.front().data(), triangles.front().data(), 3 * triangles.size(),
+                                      submesh_.positions.front().data(), submesh_.positions.size(),
+                                      sizeof(Eigen::Vector3f), sizeof(Eigen::Vector3f));
+    place_of_.resize(submesh_.positions.size());
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      for (std::size_t k = 0; k < 3; ++k) place_of_[triangles[t][k]] = welded[t][k];
+    }
+  }
+
+  void add_finest() {
+    for (auto& original : cut(submesh_.positions, submesh_.triangles)) {
+      WorkingCluster cluster;
+      for (const auto& [a, b, c] : original) {
+        const Triangle welded{place_of_[a], place_of_[b], place_of_[c]};
+        const bool has_area = welded[0] != welded[1] && welded[1] != welded[2] && welded[2] != welded[0];
+        if (has_area) cluster.triangles.push_back(welded);
+      }
+      cluster.bounds = bounding_sphere(submesh_.positions, original);
+      cluster.index = add(original, cluster.bounds, Cluster::kNone);
+      if (!cluster.triangles.empty()) active_.push_back(std::move(cluster));
+    }
+  }
+
+  std::uint32_t add(const std::vector<Triangle>& triangles, const Sphere& bounds, std::int32_t made_by) {
+    Cluster cluster;
+    cluster.first_triangle = static_cast<std::uint32_t>(result_.triangles.size());
+    cluster.triangle_count = static_cast<std::uint32_t>(triangles.size());
+    cluster.bounds = bounds;
+    cluster.made_by = made_by;
+    result_.triangles.insert(result_.triangles.end(), triangles.begin(), triangles.end());
+    result_.clusters.push_back(cluster);
+    return static_cast<std::uint32_t>(result_.clusters.size() - 1);
+  }
+
+  /// False when the level brought too little for another one to be worth its work.
+  bool add_level() {
+    constexpr double kStanding = 0.95;
+    std::vector<WorkingCluster> next;
+    std::size_t before = 0;
+    std::size_t after = 0;
+    for (const auto& cluster : active_) before += cluster.triangles.size();
+    for (const auto& group : group_neighbours(active_, kClustersPerGroup)) replace(group, next);
+    for (const auto& cluster : next) after += cluster.triangles.size();
+    active_ = std::move(next);
+    return static_cast<double>(after) < kStanding * static_cast<double>(before);
+  }
+
+  void replace(const std::vector<std::uint32_t>& members, std::vector<WorkingCluster>& next) {
+    std::vector<Triangle> all;
+    for (const auto member : members) {
+      const auto& triangles = active_[member].triangles;
+      all.insert(all.end(), triangles.begin(), triangles.end());
+    }
+    const Simplified simple = simplify_to_half(submesh_.positions, all);
+    if (simple.triangles.empty() ||
+        static_cast<double>(simple.triangles.size()) > kWorthwhile * static_cast<double>(all.size())) {
+      for (const auto member : members) next.push_back(std::move(active_[member]));
+      return;
+    }
+    const auto index = static_cast<std::int32_t>(result_.groups.size());
+    result_.groups.push_back(group_over(members, simple.deviation_m));
+    for (const auto member : members) result_.clusters[active_[member].index].replaced_by = index;
+    for (auto& triangles : cut(submesh_.positions, simple.triangles)) {
+      WorkingCluster cluster;
+      cluster.bounds = bounding_sphere(submesh_.positions, triangles);
+      cluster.index = add(triangles, cluster.bounds, index);
+      cluster.triangles = std::move(triangles);
+      next.push_back(std::move(cluster));
+    }
+  }
+
+  ClusterGroup group_over(const std::vector<std::uint32_t>& members, float deviation_m) const {
+    ClusterGroup group;
+    group.sphere = active_[members.front()].bounds;
+    float below_m = 0;
+    for (const auto member : members) {
+      group.sphere = joined(group.sphere, active_[member].bounds);
+      const std::int32_t made_by = result_.clusters[active_[member].index].made_by;
+      if (made_by == Cluster::kNone) continue;
+      const ClusterGroup& below = result_.groups[static_cast<std::size_t>(made_by)];
+      group.sphere = joined(group.sphere, below.sphere);
+      below_m = std::max(below_m, below.error_m);
+    }
+    group.error_m = below_m + deviation_m;
+    return group;
+  }
+
+  void order_vertices() {
+    constexpr std::uint32_t kUnplaced = ~0u;
+    auto& order = result_.vertex_order;
+    std::vector<std::uint32_t> position(submesh_.positions.size(), kUnplaced);
+    for (auto cluster = result_.clusters.rbegin(); cluster != result_.clusters.rend(); ++cluster) {
+      for (std::uint32_t t = 0; t < cluster->triangle_count; ++t) {
+        for (auto& vertex : result_.triangles[cluster->first_triangle + t]) {
+          auto& place = position[vertex];
+          if (place == kUnplaced) {
+            place = static_cast<std::uint32_t>(order.size());
+            order.push_back(vertex);
+          }
+          vertex = place;
+        }
+      }
+    }
+  }
+
+  const Submesh& submesh_;
+  std::vector<std::uint32_t> place_of_;
+  std::vector<WorkingCluster> active_;
+  ClusterHierarchy result_;
+};
+
+}  // namespace
+
+ClusterHierarchy build_hierarchy(const Submesh& submesh) {
+  return Builder{submesh}.build();
+}
+
+}  // namespace meshloop

@@ -1,0 +1,58 @@
+#pragma once
+// A submesh in levels of detail, so that drawing costs what the picture shows and not what the model holds.
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "common/mesh/submesh.h"
+
+namespace meshloop {
+
+/// In the submesh's frame, metres.
+struct Sphere {
+  Eigen::Vector3f center = Eigen::Vector3f::Zero();
+  float radius = 0;
+};
+
+/// Clusters that were replaced together by fewer triangles. On the border of a group nothing moves, so a picture may
+/// show one group coarse and its neighbour fine, and no crack opens.
+struct ClusterGroup {
+  /// Encloses the spheres of all groups that it goes back to, and their triangles.
+  Sphere sphere;
+  /// No point of the original surface lies farther from the group's replacement; at least the errors of the groups that
+  /// it goes back to.
+  float error_m = 0;
+};
+
+/// Neighbouring triangles that are drawn or left out together.
+struct Cluster {
+  /// Positions in ClusterHierarchy::triangles.
+  std::uint32_t first_triangle = 0;
+  std::uint32_t triangle_count = 0;
+  Sphere bounds;
+  /// The group whose replacement it is a part of; none: original triangles.
+  std::int32_t made_by = kNone;
+  /// The group that replaces it where less detail does; none: nothing does.
+  std::int32_t replaced_by = kNone;
+
+  static constexpr std::int32_t kNone = -1;
+};
+
+/// The replacements' vertices are the submesh's own. A picture of tolerance e shows a cluster when the group that made
+/// it has an error of at most e and the one that replaces it has not: with spheres and errors that grow upwards this is
+/// one surface without gaps or doubles, however e depends on the place.
+struct ClusterHierarchy {
+  /// Position k of a vertex buffer holds vertex vertex_order[k] of the submesh: those of the coarsest levels first, so
+  /// that what a distant view needs lies together.
+  std::vector<std::uint32_t> vertex_order;
+  /// In positions of the vertex buffer. The original triangles come first, in another order than the submesh's.
+  std::vector<Triangle> triangles;
+  /// In the order of their triangles: those of original triangles first.
+  std::vector<Cluster> clusters;
+  std::vector<ClusterGroup> groups;
+};
+
+/// About 1.5 us a triangle on one core. The submesh must be valid.
+[[nodiscard]] ClusterHierarchy build_hierarchy(const Submesh& submesh);
+
+}  // namespace meshloop

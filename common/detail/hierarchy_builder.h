@@ -1,0 +1,48 @@
+#pragma once
+// Hierarchies made in the background.
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "common/detail/cluster_hierarchy.h"
+
+namespace meshloop {
+
+/// Threads that turn submeshes into hierarchies, in the order of asking. Frames never wait for it. All functions from any
+/// thread.
+class HierarchyBuilder {
+ public:
+  /// At least one thread; each runs at the lowest priority, so that live frames come first.
+  explicit HierarchyBuilder(unsigned threads);
+  /// Work that was not begun is given up.
+  ~HierarchyBuilder();
+  HierarchyBuilder(const HierarchyBuilder&) = delete;
+  HierarchyBuilder& operator=(const HierarchyBuilder&) = delete;
+
+  void ask(std::shared_ptr<const Submesh> submesh);
+  struct Built {
+    std::shared_ptr<const Submesh> submesh;
+    std::unique_ptr<const ClusterHierarchy> hierarchy;
+  };
+  /// Hands over the next that is ready; nulls when none is.
+  [[nodiscard]] Built take();
+  /// Until all that was asked for is ready.
+  void wait();
+
+ private:
+  void work();
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<std::shared_ptr<const Submesh>> asked_;
+  std::deque<Built> ready_;
+  std::size_t being_built_ = 0;
+  bool ending_ = false;
+  std::vector<std::jthread> threads_;
+};
+
+}  // namespace meshloop

@@ -1,0 +1,149 @@
+#include "common/detail/simplify.h"
+
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace meshloop {
+namespace {
+
+/// For each vertex the triangles at it, or the vertices beside it.
+class Incidence {
+ public:
+  Incidence(std::size_t vertices, const std::vector<Triangle>& triangles) : first_(vertices + 1, 0) {
+    for (const auto& triangle : triangles) {
+      for (const auto vertex : triangle) ++first_[vertex + 1];
+    }
+    for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+    entries_.resize(3 * triangles.size());
+    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+      for (const auto vertex : triangles[t]) entries_[next[vertex]++] = t;
+    }
+  }
+  [[nodiscard]] std::span<const std::uint32_t> at(std::uint32_t vertex) const {
+    return std::span{entries_}.subspan(first_[vertex], first_[vertex + 1] - first_[vertex]);
+  }
+
+ private:
+  std::vector<std::uint32_t> first_;
+  std::vector<std::uint32_t> entries_;
+};
+
+/// Looks from a vertex that was left out over the old triangles for those that stayed, and measures to the new triangles
+/// there. Which of the new ones is nearest need not be among them: the answer is then too large, never too small.
+class DeviationSearch {
+ public:
+  DeviationSearch(const LocalMesh& before, const std::vector<Triangle>& after)
+      : before_{before},
+        after_{after},
+        old_triangles_{before.vertices.size(), before.triangles},
+        new_triangles_{before.vertices.size(), after},
+        seen_(before.vertices.size(), 0) {}
+
+  float largest() {
+    float square = 0;
+    for (std::uint32_t vertex = 0; vertex < before_.vertices.size(); ++vertex) {
+      if (new_triangles_.at(vertex).empty()) square = std::max(square, at(vertex));
+    }
+    return std::sqrt(square);
+  }
+
+ private:
+  float at(std::uint32_t vertex) {
+    constexpr int kRingsBeyondTheFirst = 1;
+    float square = std::numeric_limits<float>::infinity();
+    int rings_left = kRingsBeyondTheFirst;
+    ++round_;
+    seen_[vertex] = round_;
+    std::vector<std::uint32_t>& ring = ring_;
+    ring.assign(1, vertex);
+    while (!ring.empty()) {
+      grow(ring);
+      for (const auto other : ring) square = std::min(square, distance(vertex, other));
+      if (std::isfinite(square) && rings_left-- == 0) break;
+    }
+    return std::isfinite(square) ? square : to_all(vertex);
+  }
+
+  void grow(std::vector<std::uint32_t>& ring) {
+    next_.clear();
+    for (const auto vertex : ring) {
+      for (const auto triangle : old_triangles_.at(vertex)) {
+        for (const auto other : before_.triangles[triangle]) {
+          if (seen_[other] == round_) continue;
+          seen_[other] = round_;
+          next_.push_back(other);
+        }
+      }
+    }
+    ring.swap(next_);
+  }
+
+  [[nodiscard]] float distance(std::uint32_t vertex, std::uint32_t kept) const {
+    float square = std::numeric_limits<float>::infinity();
+    for (const auto triangle : new_triangles_.at(kept)) square = std::min(square, to_triangle(vertex, after_[triangle]));
+    return square;
+  }
+  [[nodiscard]] float to_all(std::uint32_t vertex) const {
+    float square = std::numeric_limits<float>::infinity();
+    for (const auto& triangle : after_) square = std::min(square, to_triangle(vertex, triangle));
+    return square;
+  }
+  [[nodiscard]] float to_triangle(std::uint32_t vertex, const Triangle& triangle) const {
+    const auto& p = before_.positions;
+    return squared_distance(p[vertex], p[triangle[0]], p[triangle[1]], p[triangle[2]]);
+  }
+
+  const LocalMesh& before_;
+  const std::vector<Triangle>& after_;
+  Incidence old_triangles_;
+  Incidence new_triangles_;
+  std::vector<std::uint32_t> seen_;
+  std::uint32_t round_ = 0;
+  std::vector<std::uint32_t> ring_;
+  std::vector<std::uint32_t> next_;
+};
+
+float square_to_segment(const Eigen::Vector3f& p, const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+  const Eigen::Vector3f edge = b - a;
+  const float length = edge.squaredNorm();
+  const float along = length > 0 ? std::clamp((p - a).dot(edge) / length, 0.0f, 1.0f) : 0.0f;
+  return (p - a - along * edge).squaredNorm();
+}
+
+}  // namespace
+
+float squared_distance(const Eigen::Vector3f& p, const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                       const Eigen::Vector3f& c) {
+  const Eigen::Vector3f normal = (b - a).cross(c - a);
+  const bool inside = normal.dot((b - a).cross(p - a)) >= 0 && normal.dot((c - b).cross(p - b)) >= 0 &&
+                      normal.dot((a - c).cross(p - c)) >= 0;
+  const float length = normal.squaredNorm();
+  if (inside && length > 0) {
+    const float height = normal.dot(p - a);
+    return height * height / length;
+  }
+  return std::min({square_to_segment(p, a, b), square_to_segment(p, b, c), square_to_segment(p, c, a)});
+}
+
+Simplified simplify_to_half(const std::vector<Eigen::Vector3f>& positions, std::span<const Triangle> triangles) {
+  // Relative to the group's size: in effect without a limit, since the error is measured afterwards.
+  constexpr float kAnyError = 1;
+  const LocalMesh local = make_local(positions, triangles);
+  const std::size_t indices = 3 * triangles.size();
+  std::vector<Triangle> after(triangles.size());
+  const std::size_t kept = meshopt_simplify(after.front().data(), local.triangles.front().data(), indices,
+                                            local.positions.front().data(), local.positions.size(),
+                                            sizeof(Eigen::Vector3f), indices / 6 * 3, kAnyError,
+                                            meshopt_SimplifyLockBorder, nullptr);
+  after.resize(kept / 3);
+  Simplified result;
+  if (!after.empty()) result.deviation_m = DeviationSearch{local, after}.largest();
+  for (const auto& triangle : after) result.triangles.push_back(local.outside(triangle));
+  return result;
+}
+
+}  // namespace meshloop

@@ -1,0 +1,26 @@
+#pragma once
+// One group of clusters to half its triangles. Used inside this room.
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "common/detail/local_mesh.h"
+
+namespace meshloop {
+
+struct Simplified {
+  /// A selection of the same vertices.
+  std::vector<Triangle> triangles;
+  /// Largest distance from a vertex that was left out to the new triangles, or a little more.
+  float deviation_m = 0;
+};
+
+/// Vertices on the border (edges with one triangle) stay.
+[[nodiscard]] Simplified simplify_to_half(const std::vector<Eigen::Vector3f>& positions,
+                                          std::span<const Triangle> triangles);
+
+/// Squared distance of p to the triangle a, b, c.
+[[nodiscard]] float squared_distance(const Eigen::Vector3f& p, const Eigen::Vector3f& a, const Eigen::Vector3f& b,
+                                     const Eigen::Vector3f& c);
+
+}  // namespace meshloop

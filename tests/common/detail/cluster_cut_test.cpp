@@ -1,0 +1,159 @@
+#include "common/detail/cluster_cut.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <random>
+#include <set>
+
+#include "common/detail/simplify.h"
+#include "meshes.h"
+
+namespace meshloop {
+namespace {
+
+/// Everything within 100 m on every side is in view, and w is the depth along z plus `ahead_m`.
+Eigen::Matrix4f all_around(float ahead_m) {
+  Eigen::Matrix4f clip = Eigen::Matrix4f::Zero();
+  for (int axis = 0; axis < 3; ++axis) clip(axis, axis) = 0.001f;
+  clip(3, 2) = 1;
+  clip(3, 3) = ahead_m;
+  return clip;
+}
+
+Tolerance everywhere(double tolerance_m) {
+  return Tolerance{[=](double) { return tolerance_m; }};
+}
+
+/// The triangles that are chosen, in the submesh's vertices.
+std::vector<Triangle> chosen(const ClusterHierarchy& hierarchy, const CutView& view) {
+  ClusterCut cut;
+  std::vector<Triangle> triangles;
+  for (const auto& [first, count] : cut.choose(hierarchy, view)) {
+    for (std::uint32_t t = first; t < first + count; ++t) {
+      const auto& [a, b, c] = hierarchy.triangles[t];
+      triangles.push_back({hierarchy.vertex_order[a], hierarchy.vertex_order[b], hierarchy.vertex_order[c]});
+    }
+  }
+  return triangles;
+}
+
+std::vector<Triangle> chosen(const ClusterHierarchy& hierarchy, const Tolerance& tolerance) {
+  CutView view;
+  view.clip_from_mesh = all_around(2);
+  view.tolerance = &tolerance;
+  return chosen(hierarchy, view);
+}
+
+using Edge = std::pair<std::uint32_t, std::uint32_t>;
+
+/// Directed edges without a partner: the border of a surface. Refuses an edge that occurs twice.
+std::set<Edge> border_of(const std::vector<Triangle>& triangles) {
+  std::set<Edge> edges;
+  for (const auto& [a, b, c] : triangles) {
+    for (const Edge& edge : {Edge{a, b}, Edge{b, c}, Edge{c, a}}) {
+      EXPECT_TRUE(edges.insert(edge).second) << "two triangles on one side of an edge";
+    }
+  }
+  std::set<Edge> border;
+  for (const auto& [a, b] : edges) {
+    if (!edges.contains({b, a})) border.insert({a, b});
+  }
+  return border;
+}
+
+float deviation_of(const Submesh& mesh, const std::vector<Triangle>& shown) {
+  float square = 0;
+  for (std::size_t v = 0; v < mesh.positions.size(); v += 7) {
+    float nearest = 1e9f;
+    for (const auto& [a, b, c] : shown) {
+      nearest = std::min(nearest, squared_distance(mesh.positions[v], mesh.positions[a], mesh.positions[b],
+                                                   mesh.positions[c]));
+    }
+    square = std::max(square, nearest);
+  }
+  return std::sqrt(square);
+}
+
+std::vector<Triangle> sorted(std::vector<Triangle> triangles) {
+  for (auto& triangle : triangles) std::rotate(triangle.begin(), std::ranges::min_element(triangle), triangle.end());
+  std::ranges::sort(triangles);
+  return triangles;
+}
+
+TEST(ClusterCut, ExactIsEveryTriangleOnce) {
+  for (const auto& mesh : {test::hills(100), test::ball(60)}) {
+    EXPECT_EQ(sorted(chosen(build_hierarchy(mesh), Tolerance{})), sorted(mesh.triangles));
+  }
+}
+
+TEST(ClusterCut, LessDetailIsFewerTrianglesWithinTheTolerance) {
+  const auto mesh = test::hills(200);
+  const auto hierarchy = build_hierarchy(mesh);
+  std::size_t finer = mesh.triangles.size();
+  for (const double tolerance_m : {0.0002, 0.001, 0.005}) {
+    const auto shown = chosen(hierarchy, everywhere(tolerance_m));
+    EXPECT_LT(shown.size(), finer);
+    EXPECT_LE(deviation_of(mesh, shown), tolerance_m);
+    finer = shown.size();
+  }
+  EXPECT_LT(finer, mesh.triangles.size() / 20);
+}
+
+TEST(ClusterCut, NoCrackOpensWhereDetailChanges) {
+  const auto open = test::hills(200);
+  const auto closed = test::ball(100);
+  std::mt19937 random{1};
+  std::uniform_real_distribution<double> share{0.0, 1.0};
+  for (const auto* mesh : {&open, &closed}) {
+    const auto hierarchy = build_hierarchy(*mesh);
+    const auto border = border_of(mesh->triangles);
+    for (int i = 0; i < 20; ++i) {
+      const double slope = 0.02 * share(random) * share(random);
+      const double start_m = 2 * share(random);
+      const Tolerance tolerance{[=](double z_m) { return slope * std::max(0.0, z_m - start_m); }};
+      CutView view;
+      view.clip_from_mesh = all_around(0.5f);
+      view.clip_from_mesh(3, 0) = static_cast<float>(share(random));
+      view.tolerance = &tolerance;
+      EXPECT_EQ(border_of(chosen(hierarchy, view)), border) << "slope " << slope << " from " << start_m;
+    }
+  }
+}
+
+TEST(ClusterCut, WhatLiesBesideTheViewIsLeftOut) {
+  const auto mesh = test::hills(200);
+  const auto hierarchy = build_hierarchy(mesh);
+  // A box around the quarter x, y > 0.
+  Eigen::Matrix4f clip = Eigen::Matrix4f::Identity();
+  clip(0, 0) = clip(1, 1) = 2;
+  clip(0, 3) = clip(1, 3) = -1;
+  const Tolerance exact;
+  CutView view;
+  view.clip_from_mesh = clip;
+  view.tolerance = &exact;
+  const auto shown = chosen(hierarchy, view);
+  std::size_t inside = 0;
+  for (const auto& triangle : mesh.triangles) {
+    inside += std::ranges::all_of(triangle, [&](auto v) { return mesh.positions[v].head<2>().minCoeff() >= 0; }) ? 1 : 0;
+  }
+  EXPECT_GE(shown.size(), inside);
+  EXPECT_LT(shown.size(), inside + mesh.triangles.size() / 8);
+}
+
+TEST(Tolerance, IsNeverMoreThanAskedForAtAnyFartherDepth) {
+  const auto dip = [](double z_m) { return z_m < 3 ? 0.01 : 0.002 * z_m; };
+  const Tolerance tolerance{dip};
+  for (double z = 0; z < 19; z += 0.013) {
+    for (double farther = z; farther < 20; farther += 0.1) {
+      EXPECT_LE(tolerance.at(static_cast<float>(z)), dip(farther) * 1.00001);
+    }
+  }
+  EXPECT_GT(tolerance.at(2.9f), 0.005f);
+  EXPECT_EQ(tolerance.at(-1), tolerance.at(0));
+  EXPECT_EQ(Tolerance{}.at(1), 0);
+}
+
+}  // namespace
+}  // namespace meshloop
