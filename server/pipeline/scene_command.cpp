@@ -78,7 +78,9 @@ Status scene_export(const SceneArguments& arguments, SceneStore& store) {
   auto model =
       arguments.revision ? store.model_at(*arguments.revision) : Result<std::shared_ptr<const Model>>{store.model()};
   if (!model) return fail(model.error());
-  return export_model(**model, arguments.file);
+  if (auto done = export_model(**model, arguments.file); !done) return done;
+  print_model(arguments, **model);
+  return {};
 }
 
 Status scene_info(const SceneArguments& arguments, SceneStore& store) {
