@@ -31,9 +31,6 @@ MeshCache::Entry::Entry(std::shared_ptr<const Submesh> uploaded) : submesh{std::
   upload(GL_ELEMENT_ARRAY_BUFFER, indices, chunked.triangles);
   glBindVertexArray(0);
   mesh.vertex_array = vertex_array.name();
-  mesh.position_buffer = positions.name();
-  mesh.color_buffer = colors.name();
-  mesh.index_buffer = indices.name();
   mesh.index_count = static_cast<int>(3 * submesh->triangles.size());
   mesh.has_colors = submesh->has_colors();
   mesh.bounds = submesh->bounds();

@@ -12,9 +12,6 @@ namespace meshloop {
 /// A submesh in GPU buffers. The names belong to the cache.
 struct GpuMesh {
   unsigned vertex_array = 0;
-  unsigned position_buffer = 0;
-  unsigned color_buffer = 0;
-  unsigned index_buffer = 0;
   int index_count = 0;
   bool has_colors = false;
   /// In the node's frame.
