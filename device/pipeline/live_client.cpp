@@ -49,13 +49,14 @@ void LiveClient::tell_who_waits() {
 }
 
 void LiveClient::note_arrival(const ReceivedModel& received, bool tracked) {
+  const bool was_lost = std::exchange(was_lost_, !tracked);
   const Revision revision = received.model->revision;
   RevisionTimes& times = revisions_[revision];
   if (times.drawn_ns != 0) return;
   times.accepted_ns = received.accepted_ns;
   times.complete_ns = received.complete_ns;
   times.decode_ms = received.decode_ms;
-  times.waited_for_pose = times.waited_for_pose || !tracked;
+  times.waited_for_pose = times.waited_for_pose || was_lost || !tracked;
   if (!tracked) return;
   times.drawn_ns = wall_clock_ns();
   if (options_.json) {

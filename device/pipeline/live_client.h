@@ -68,6 +68,7 @@ class LiveClient {
   std::deque<double> draw_ms_;
   Stopwatch waiting_;
   bool told_ = false;
+  bool was_lost_ = false;
   double frames_per_s_ = 0;
 };
 

@@ -79,7 +79,12 @@ Status scene_export(const SceneArguments& arguments, SceneStore& store) {
       arguments.revision ? store.model_at(*arguments.revision) : Result<std::shared_ptr<const Model>>{store.model()};
   if (!model) return fail(model.error());
   if (auto done = export_model(**model, arguments.file); !done) return done;
-  print_model(arguments, **model);
+  if (arguments.json) {
+    print_json(model_json(**model));
+  } else {
+    std::cout << fmt::format("{}: revision {}, {} triangles\n", arguments.file, (*model)->revision,
+                             (*model)->triangle_count());
+  }
   return {};
 }
 
