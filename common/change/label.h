@@ -36,7 +36,7 @@ inline constexpr std::array<LabelInfo, 6> kLabels{{
      Opacity::constant,
      {0, 160, 0},
      {0, 158, 115},
-     "no depth measured"},
+     "modelled, no depth measured"},
     {Label::unmodelled,
      "unmodelled",
      ChangeKind::insertion,

@@ -141,13 +141,6 @@ Result<Program> Program::create(std::string_view vertex, std::string_view fragme
   return program;
 }
 
-Result<Program> Program::create_compute(std::string_view compute) {
-  Program program{glCreateProgram()};
-  if (auto done = attach(program.name_, GL_COMPUTE_SHADER, "compute", compute); !done) return fail(done.error());
-  if (auto done = link(program.name_); !done) return fail(done.error());
-  return program;
-}
-
 Program::~Program() {
   if (name_ != 0) glDeleteProgram(name_);
 }

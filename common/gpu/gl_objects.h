@@ -66,7 +66,6 @@ class Program {
  public:
   /// GLSL ES sources, `#version` line included. A failure is the compiler's or the linker's own words.
   [[nodiscard]] static Result<Program> create(std::string_view vertex, std::string_view fragment);
-  [[nodiscard]] static Result<Program> create_compute(std::string_view compute);
 
   ~Program();
   Program(Program&& other) noexcept : name_{std::exchange(other.name_, 0U)} {}
@@ -79,8 +78,6 @@ class Program {
 
   [[nodiscard]] GLuint name() const { return name_; }
   void use() const { glUseProgram(name_); }
-  /// -1, which glUniform ignores, when the program has no such uniform or does not use it.
-  [[nodiscard]] GLint uniform(const char* uniform_name) const { return glGetUniformLocation(name_, uniform_name); }
 
  private:
   explicit Program(GLuint name) : name_{name} {}

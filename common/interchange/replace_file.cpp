@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <system_error>
 
+#include "common/base/file.h"
+
 namespace meshloop {
 namespace {
 
@@ -23,14 +25,6 @@ int write_and_sync(int fd, std::span<const std::byte> bytes) {
     bytes = bytes.subspan(static_cast<std::size_t>(count));
   }
   return ::fsync(fd) == 0 ? 0 : errno;
-}
-
-/// The rename is on the disk only when the folder is.
-void sync_folder(const std::filesystem::path& folder) {
-  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) return;
-  ::fsync(fd);
-  ::close(fd);
 }
 
 }  // namespace
@@ -50,7 +44,7 @@ Status replace_file(const std::filesystem::path& file, std::span<const std::byte
     ::unlink(temporary.c_str());
     return cannot_write(file, error);
   }
-  sync_folder(folder);
+  sync_folder(folder);  // the rename is on the disk only when the folder is
   return {};
 }
 

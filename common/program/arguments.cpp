@@ -36,6 +36,15 @@ Result<std::vector<int>> parse_frame_list(const std::string& text) {
   return std::vector<int>(frames.begin(), frames.end());
 }
 
+CLI::Validator between(double smallest, double largest) {
+  const auto check = [smallest, largest](const std::string& text) -> std::string {
+    double value = 0;
+    if (CLI::detail::lexical_cast(text, value) && value >= smallest && value <= largest) return {};
+    return fmt::format("{} is not between {} and {}", text, smallest, largest);
+  };
+  return {check, fmt::format("FLOAT in [{} - {}]", smallest, largest)};
+}
+
 KindAndRest split_kind(const std::string& text) {
   const auto colon = text.find(':');
   if (colon == std::string::npos) return {text, ""};

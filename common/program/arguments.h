@@ -1,5 +1,6 @@
 #pragma once
 // Values on the command line that both programs, or several subcommands, take.
+#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,9 @@ namespace meshloop {
 
 /// Frame numbers as `0,5,10-20`, in growing order and each once. Refuses numbers above a million.
 [[nodiscard]] Result<std::vector<int>> parse_frame_list(const std::string& text);
+
+/// For numbers on the command line; unlike CLI::Range it refuses NaN too.
+[[nodiscard]] CLI::Validator between(double smallest, double largest);
 
 /// `KIND` or `KIND:REST` split at the first colon.
 struct KindAndRest {

@@ -92,6 +92,8 @@ def collect(out):
             "raw_bytes": sum(r["raw_bytes"] for r in revisions),
             "accept_to_drawn_ms": max(delays.values(), default=None),
             "accept_to_drawn_ms_by_revision": delays,
+            # Nothing is drawn before the handheld knows where it is.
+            "waited_for_pose": [r["revision"] for r in device["revisions"] if r["revision"] in delays and r["waited_for_pose"]],
         },
         "device": {"revision": device["revision"], "rejected": device["rejected"], "lost": device["lost"],
                    "frames": len(device["frames"])},

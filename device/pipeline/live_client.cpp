@@ -1,5 +1,7 @@
 #include "device/pipeline/live_client.h"
 
+#include <fmt/format.h>
+
 #include <iostream>
 #include <utility>
 
@@ -34,10 +36,29 @@ Result<std::unique_ptr<LiveClient>> LiveClient::create(const LiveOptions& option
                                                     std::move(*receiver), std::move(presenter), options, camera}};
 }
 
-void LiveClient::note_drawn(const ReceivedModel& received) {
+std::string no_scene_yet(const LinkOptions& link) {
+  return fmt::format("no scene '{}' has come over DDS domain {}; does a station serve it under this name there?",
+                     link.scene, link.domain);
+}
+
+void LiveClient::tell_who_waits() {
+  constexpr double kPatience_ms = 5000;
+  if (told_ || waiting_.milliseconds() < kPatience_ms) return;
+  told_ = true;
+  log_warning("{} Waiting for it", no_scene_yet(options_.link));
+}
+
+void LiveClient::note_arrival(const ReceivedModel& received, bool tracked) {
+  const bool was_lost = std::exchange(was_lost_, !tracked);
   const Revision revision = received.model->revision;
-  if (revisions_.contains(revision)) return;
-  revisions_[revision] = {received.accepted_ns, received.complete_ns, wall_clock_ns(), received.decode_ms};
+  RevisionTimes& times = revisions_[revision];
+  if (times.drawn_ns != 0) return;
+  times.accepted_ns = received.accepted_ns;
+  times.complete_ns = received.complete_ns;
+  times.decode_ms = received.decode_ms;
+  times.waited_for_pose = times.waited_for_pose || was_lost || !tracked;
+  if (!tracked) return;
+  times.drawn_ns = wall_clock_ns();
   if (options_.json) {
     std::cout << json_line({{"event", "drawn"}, {"revision", revision}}) << std::endl;
   }
@@ -62,7 +83,8 @@ Status LiveClient::show(const ColorFrame& frame) {
   const ColorImage picture = renderer_->draw(view);
   draw_ms_.push_back(watch.milliseconds());
   if (draw_ms_.size() > session_.records().size()) draw_ms_.pop_front();
-  if (received && view.tracked) note_drawn(*received);
+  if (received) note_arrival(*received, view.tracked);
+  if (!received) tell_who_waits();
   return presenter_->show(picture);
 }
 
@@ -86,11 +108,13 @@ Status LiveClient::run(ColorSource& camera, double seconds) {
 nlohmann::json LiveClient::report(const std::optional<Trajectory>& truth) const {
   nlohmann::json revisions = nlohmann::json::array();
   for (const auto& [revision, times] : revisions_) {
+    if (times.drawn_ns == 0) continue;
     revisions.push_back({{"revision", revision},
                          {"accepted_ns", times.accepted_ns},
                          {"complete_ns", times.complete_ns},
                          {"drawn_ns", times.drawn_ns},
-                         {"decode_ms", times.decode_ms}});
+                         {"decode_ms", times.decode_ms},
+                         {"waited_for_pose", times.waited_for_pose}});
   }
   std::vector<double> track_ms;
   for (const auto& record : session_.records()) track_ms.push_back(record.time_ms);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "common/base/clock.h"
 #include "device/capture/color_source.h"
 #include "device/draw/ar_renderer.h"
 #include "device/draw/presenter.h"
@@ -27,7 +28,12 @@ struct RevisionTimes {
   std::int64_t complete_ns = 0;
   std::int64_t drawn_ns = 0;
   double decode_ms = 0;
+  /// The handheld did not know where it is when the revision was there; nothing can be drawn then.
+  bool waited_for_pose = false;
 };
+
+/// What to tell somebody who waits for a scene in vain.
+[[nodiscard]] std::string no_scene_yet(const LinkOptions& link);
 
 /// One thread, that of the GPU context it makes; receiving and decoding have their own.
 class LiveClient {
@@ -41,13 +47,15 @@ class LiveClient {
   /// {"frames", "lost", "revision", "revisions", "rejected", "time_ms": {"track", "draw"}, "truth"}
   [[nodiscard]] nlohmann::json report(const std::optional<Trajectory>& truth) const;
   [[nodiscard]] const TrackingSession& session() const { return session_; }
+  [[nodiscard]] bool has_scene() const { return receiver_->newest() != nullptr; }
 
  private:
   LiveClient(std::unique_ptr<GpuContext> gpu, TrackingSession session, std::unique_ptr<ArRenderer> renderer,
              std::unique_ptr<SceneReceiver> receiver, std::unique_ptr<Presenter> presenter, const LiveOptions& options,
              const Camera& camera);
   [[nodiscard]] Status show(const ColorFrame& frame);
-  void note_drawn(const ReceivedModel& received);
+  void note_arrival(const ReceivedModel& received, bool tracked);
+  void tell_who_waits();
 
   std::unique_ptr<GpuContext> gpu_;
   TrackingSession session_;
@@ -58,6 +66,9 @@ class LiveClient {
   LiveOptions options_;
   std::map<Revision, RevisionTimes> revisions_;
   std::deque<double> draw_ms_;
+  Stopwatch waiting_;
+  bool told_ = false;
+  bool was_lost_ = false;
   double frames_per_s_ = 0;
 };
 

@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <vector>
 
+#include "common/base/result.h"
 #include "device/draw/ar_renderer.h"
 
 namespace meshloop {
@@ -13,7 +14,8 @@ struct ObjectArguments {
   double height_m = 0.18;
 
   void add_to(CLI::App& command);
-  [[nodiscard]] VirtualObject make() const;
+  /// Refuses an up direction of no length.
+  [[nodiscard]] Result<VirtualObject> make() const;
 };
 
 }  // namespace meshloop

@@ -72,13 +72,17 @@ Status run(RunArguments arguments) {
   if (!camera) return fail(camera.error());
   auto display = open_display(arguments);
   if (!display) return fail(display.error());
-  arguments.live.objects = {arguments.object.make()};
+  const auto object = arguments.object.make();
+  if (!object) return fail(object.error());
+  arguments.live.objects = {*object};
   catch_stop_signals();
   auto client = LiveClient::create(arguments.live, (*camera)->camera(), std::move(*start), std::move(*display));
   if (!client) return fail(client.error());
   const auto ran = (*client)->run(**camera, arguments.seconds);
   const auto written = write_results(arguments, **client, (*camera)->recording().ground_truth());
-  return ran ? written : ran;
+  if (!ran) return ran;
+  if (!written) return written;
+  return (*client)->has_scene() ? Status{} : fail(no_scene_yet(arguments.live.link));
 }
 
 }  // namespace
@@ -99,6 +103,7 @@ void add_run_command(CLI::App& app, Action& action) {
       ->capture_default_str();
   command->add_flag("--loop", arguments->loop, "play the recording again when it ends");
   command->add_option("--seconds", arguments->seconds, "end after this time; 0: when the camera ends")
+      ->check(between(0, 1e9))
       ->capture_default_str();
   command->add_option("--poses-out", arguments->poses_out, "file for the poses (TUM format, camera to world)");
   command->add_option("--report", arguments->report, "file for the JSON report");

@@ -29,12 +29,12 @@ struct TrackArguments {
 /// Draws the augmented view of each tracked frame into a folder.
 class Views {
  public:
-  static Result<Views> create(GpuContext& gpu, const TrackArguments& arguments) {
+  static Result<Views> create(GpuContext& gpu, const TrackArguments& arguments, VirtualObject object) {
     auto renderer = ArRenderer::create(gpu);
     if (!renderer) return fail(renderer.error());
     auto presenter = OffscreenPresenter::create({.folder = arguments.draw, .every_nth = arguments.every});
     if (!presenter) return fail(presenter.error());
-    return Views{std::move(*renderer), std::move(*presenter), arguments.object.make()};
+    return Views{std::move(*renderer), std::move(*presenter), std::move(object)};
   }
 
   Status draw(const ColorFrame& frame, const Camera& camera, const TrackRecord& record, const Model& model) {
@@ -95,6 +95,8 @@ Status track_all(ColorSource& source, TrackingSession& session, const std::share
 Status track(const TrackArguments& arguments) {
   auto start = StartPose::parse(arguments.init);
   if (!start) return fail(start.error());
+  const auto object = arguments.object.make();
+  if (!object) return fail(object.error());
   auto imported = import_as_model(arguments.model);
   if (!imported) return fail(imported.error());
   const auto model = std::make_shared<const Model>(std::move(*imported));
@@ -106,7 +108,7 @@ Status track(const TrackArguments& arguments) {
   if (!session) return fail(session.error());
   std::optional<Views> views;
   if (!arguments.draw.empty()) {
-    auto made = Views::create(**gpu, arguments);
+    auto made = Views::create(**gpu, arguments, *object);
     if (!made) return fail(made.error());
     views = std::move(*made);
   }
@@ -114,7 +116,8 @@ Status track(const TrackArguments& arguments) {
   const Trajectory trajectory = session->trajectory();
   if (auto done = write_trajectory(arguments.out, trajectory); !done) return done;
   report(arguments, *session, truth_json(trajectory, (*source)->recording().ground_truth()));
-  return {};
+  if (!trajectory.empty()) return {};
+  return fail("every frame is lost; do --init and the model fit the recording?");
 }
 
 }  // namespace

@@ -8,6 +8,11 @@
 #include "device/receive/scene_receiver.h"
 
 namespace meshloop {
+namespace {
+
+constexpr std::size_t kMaxUndecodable = 4096;
+
+}  // namespace
 
 struct ModelAssembler::State {
   explicit State(std::size_t max_pending_bytes) : decoded{max_pending_bytes} {}
@@ -23,6 +28,8 @@ struct ModelAssembler::State {
   /// Those of `named` that have not been decoded yet.
   std::set<Hash> missing;
   bool is_complete = false;
+  /// Payloads that do not decode: they come again whenever the station offers what it has.
+  std::set<Hash> undecodable;
   ReceiveCounts counts;
 };
 
@@ -45,6 +52,10 @@ void ModelAssembler::State::take(const NodePayload& payload) {
     ++counts.rejected;
     return;
   }
+  if (undecodable.contains(payload.hash)) {
+    ++counts.rejected;
+    return;
+  }
   const Age age{payload.epoch, payload.revision};
   const bool is_named = named.contains(payload.hash);
   const bool is_stale = !is_named && manifest && age <= Age{manifest->epoch, manifest->revision};
@@ -61,6 +72,8 @@ void ModelAssembler::State::take(const NodePayload& payload) {
   auto submesh = decode(payload.bytes, limits);
   if (!submesh) {
     ++counts.rejected;
+    if (undecodable.size() >= kMaxUndecodable) undecodable.clear();
+    undecodable.insert(payload.hash);
     log_warning("node {} of revision {} does not decode: {}", payload.id, payload.revision, submesh.error().message);
     return;
   }

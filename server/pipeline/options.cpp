@@ -54,6 +54,10 @@ Result<TrackedFrames> RecordingArguments::open(bool live, bool real_time) const 
   PoseOptions options;
   options.skip_unreadable = live;
   const bool tracks = !markers.empty() || !init.empty();
+  if (!poses.empty() && tracks) {
+    return fail("--poses says where the camera was, --markers and --init have it found; give one of them",
+                ErrorKind::usage);
+  }
   if (!poses.empty()) {
     auto trajectory = read_trajectory(poses);
     if (!trajectory) return fail(trajectory.error());
@@ -81,8 +85,11 @@ Result<Threshold> parse_threshold(const std::string& text) {
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), threshold.value);
   const bool whole = error == std::errc{} && end == number.data() + number.size();
   const bool known_suffix = suffix == std::string::npos || text.substr(suffix) == "sigma";
-  if (!whole || !known_suffix || !(threshold.value > 0 && threshold.value < 100)) {
-    return fail(fmt::format("'{}' is not a threshold; use metres (0.02) or multiples of the noise (3sigma)", text),
+  const double most = threshold.kind == Threshold::Kind::fixed ? 1 : 100;
+  if (!whole || !known_suffix || !(threshold.value > 0 && threshold.value <= most)) {
+    return fail(fmt::format("'{}' is not a threshold; use metres (0.02, at most 1) or multiples of the noise (3sigma, "
+                            "at most 100)",
+                            text),
                 ErrorKind::usage);
   }
   return threshold;

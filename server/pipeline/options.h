@@ -22,14 +22,15 @@ struct RecordingArguments {
   /// All options but --recording, for a command that names its source otherwise.
   void add_source_options(CLI::App& command);
   /// Opens the recording and decides where the poses come from: --poses, else --markers and --init, else the
-  /// recording's groundtruth.txt (not for `track`, which makes poses).
+  /// recording's groundtruth.txt (not for `track`, which makes poses). A batch stops at a frame that cannot be read, a
+  /// `live` run goes on with the next one. `real_time`: frames come at the pace of their timestamps.
   [[nodiscard]] Result<TrackedFrames> open(bool live = false, bool real_time = false) const;
 
  private:
   bool poses_allowed_ = true;
 };
 
-/// `0.02` (metres) or `3sigma`.
+/// `0.02` (metres, at most 1) or `3sigma` (at most 100).
 [[nodiscard]] Result<Threshold> parse_threshold(const std::string& text);
 inline constexpr const char* kThresholdHelp =
     "what counts as a change: metres (0.02) or multiples of the noise (3sigma)";

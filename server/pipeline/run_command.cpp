@@ -68,6 +68,7 @@ void add_run_command(CLI::App& app, Action& action) {
   command
       ->add_option("--serve", arguments->station.serve_s,
                    "seconds to go on serving when the source has ended; -1: until Ctrl-C")
+      ->check(between(-1, 1e9))
       ->capture_default_str();
   command->add_flag("--fast", arguments->fast, "play the recording as fast as it can be worked on");
   command->add_flag("--json", arguments->station.json, "one JSON document a line on stdout for each event");

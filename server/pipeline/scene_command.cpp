@@ -78,7 +78,14 @@ Status scene_export(const SceneArguments& arguments, SceneStore& store) {
   auto model =
       arguments.revision ? store.model_at(*arguments.revision) : Result<std::shared_ptr<const Model>>{store.model()};
   if (!model) return fail(model.error());
-  return export_model(**model, arguments.file);
+  if (auto done = export_model(**model, arguments.file); !done) return done;
+  if (arguments.json) {
+    print_json(model_json(**model));
+  } else {
+    std::cout << fmt::format("{}: revision {}, {} triangles\n", arguments.file, (*model)->revision,
+                             (*model)->triangle_count());
+  }
+  return {};
 }
 
 Status scene_info(const SceneArguments& arguments, SceneStore& store) {

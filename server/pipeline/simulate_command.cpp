@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 
+#include "common/program/arguments.h"
 #include "common/simulation/demo_data.h"
 #include "server/pipeline/commands.h"
 
@@ -21,6 +22,12 @@ void show_progress(int done, int all) {
   std::cerr << fmt::format("\rsimulating {} of {} pictures", done, all) << (done == all ? "\n" : "") << std::flush;
 }
 
+Status simulate(const SimulateArguments& arguments) {
+  if (auto done = simulation::write_demo_data(arguments.out, arguments.options, show_progress); !done) return done;
+  std::cout << fmt::format("recordings, models, markers and ground truth are in {}\n", arguments.out);
+  return {};
+}
+
 }  // namespace
 
 void add_simulate_command(CLI::App& app, Action& action) {
@@ -28,7 +35,7 @@ void add_simulate_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("simulate", "record a virtual scene, with ground truth");
   command->add_option("--out", arguments->out, "folder for recordings, model and ground truth")->required();
   command->add_option("--noise", arguments->options.noise, "1: a Kinect's noise, 0: none")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(between(0, 10))
       ->capture_default_str();
   command->add_option("--seed", arguments->options.seed, "seed of noise and textures")->capture_default_str();
   command->add_option("--station-frames", arguments->options.station_frames, "frames of the station's recording")
@@ -37,9 +44,7 @@ void add_simulate_command(CLI::App& app, Action& action) {
   command->add_option("--device-frames", arguments->options.device_frames, "frames of each of the device's recordings")
       ->check(CLI::Range(2, 10'000))
       ->capture_default_str();
-  command->callback([arguments, &action] {
-    action = [arguments] { return simulation::write_demo_data(arguments->out, arguments->options, show_progress); };
-  });
+  command->callback([arguments, &action] { action = [arguments] { return simulate(*arguments); }; });
 }
 
 }  // namespace meshloop

@@ -78,6 +78,7 @@ void Station::tell(nlohmann::json event) const {
 }
 
 Status Station::publish(const std::shared_ptr<const Model>& model, std::int64_t accepted_ns) {
+  parts_->last_publish = {};
   auto report = parts_->publisher.publish(model, accepted_ns);
   if (!report) return fail("publishing", report.error());
   parts_->last_publish = *report;

@@ -1,12 +1,13 @@
 #include "server/store/schema.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
 #include <system_error>
+
+#include "common/base/file.h"
 
 namespace meshloop {
 namespace {
@@ -54,13 +55,6 @@ Status fill_new_file(const fs::path& file) {
 void remove_with_companions(const fs::path& file) {
   std::error_code ignored;
   for (const char* ending : {"", "-wal", "-shm", "-journal"}) fs::remove(file.string() + ending, ignored);
-}
-
-void sync_folder(const fs::path& folder) {
-  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) return;
-  ::fsync(fd);
-  ::close(fd);
 }
 
 Status check_identity(Database& database) {

@@ -51,6 +51,8 @@ refused("no subcommand", 2, STATION)
 refused("unknown option", 2, STATION, "detect", "--nonsense")
 refused("unknown threshold", 2, *detect("--threshold", "2 apples"))
 refused("negative threshold", 2, *detect("--threshold=-0.1"))
+refused("a threshold of three metres", 2, *detect("--threshold", "3"), says="3sigma")
+refused("poses given and to be found", 2, *detect("--poses", station / "groundtruth.txt", "--markers", data / "markers.yaml"))
 refused("frames that are no list", 2, *detect(frames="a-b"))
 refused("a frame past the end", 2, *detect(frames="5000"), says="5000")
 refused("a pose that is not a number", 2, *detect("--init", "pose:nan,0,0,0,0,0,1"))
@@ -60,6 +62,15 @@ refused("an unknown display", 2, DEVICE, "run", "--scene", "s", "--camera", f"re
         "--display", "hologram", "--init", "pose:0,0,0,0,0,0,1")
 refused("an unknown camera", 2, DEVICE, "run", "--scene", "s", "--camera", "pinhole", "--display", f"offscreen:{path / 'v'}",
         "--init", "pose:0,0,0,0,0,0,1")
+for what, *option in (("a place that is not a number", "--object-at", "nan,0,0"), ("a direction of no length", "--object-up", "0,0,0"),
+                      ("a height of NaN", "--object-height", "nan"), ("a negative time", "--seconds=-5")):
+    refused(what, 2, DEVICE, "run", "--scene", "s", "--camera", f"recording:{data / 'device_after_move'}", "--display",
+            f"offscreen:{path / 'v'}", "--init", "pose:0,0,0,0,0,0,1", *option)
+refused("a scene that nobody serves", 1, DEVICE, "run", "--scene", "nobody", "--domain", 219, "--camera",
+        f"recording:{data / 'device_after_move'}", "--display", f"offscreen:{path / 'v'}", "--init", "pose:0,0,0,0,0,0,1",
+        "--seconds", 1, says="nobody")
+refused("a start pose from which nothing is seen", 1, DEVICE, "track", "--model", model, "--recording", data / "device_after_move",
+        "--init", "pose:0,0,9,0,0,0,1", "--out", path / "p.txt", says="every frame is lost")
 
 print("-- models")
 refused("no such model", 1, *detect(the_model=path / "none.ply"), says="none.ply")

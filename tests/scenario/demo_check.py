@@ -23,10 +23,13 @@ def check_loop(out, report):
     programs.check(report["device"]["rejected"] == 0, "no payload was rejected")
     programs.check(publish["bytes"] <= publish["raw_bytes"] / 10,
                    f"{publish['bytes']} bytes sent for {publish['raw_bytes']}: at most a tenth")
-    delays = sorted(publish["accept_to_drawn_ms_by_revision"].values())
-    # Nothing is drawn while the handheld is lost, which a busy machine makes likelier: the slowest may wait for that.
-    programs.check(len(delays) > 0 and delays[0] < 500 and delays[-1] < 5000,
-                   f"accepted to drawn in {[round(d) for d in delays]} ms: the fastest below 500, all below 5000")
+    delays = publish["accept_to_drawn_ms_by_revision"]
+    # Nothing can be drawn while the handheld does not know where it is.
+    prompt = sorted(ms for revision, ms in delays.items() if int(revision) not in publish["waited_for_pose"])
+    slow = [ms for ms in prompt if ms >= 500]
+    programs.check(len(prompt) > 2 and len(slow) <= len(prompt) / 10,
+                   f"accepted to drawn in {[round(ms) for ms in prompt]} ms: nine of ten below 500")
+    programs.check(max(delays.values()) < 5000, f"the slowest, lost handheld or not, took {max(delays.values()):.0f} ms")
     for key in ("render", "compare", "snapshot", "encode", "decode", "track", "draw"):
         programs.check(report["times_ms"][key] is not None, f"times_ms.{key} is {report['times_ms'][key]}")
     page = (out / "report.html").read_text()
@@ -40,6 +43,11 @@ def check_tracking(report):
     for adjustment in track["adjustments"]:
         after = adjustment["after"]["mean_error_m"]
         programs.check(after <= 0.01, f"{adjustment['name']}: mean error {after * 1000:.1f} mm after: at most 10")
+    before, after = (track["adjustments"][0][when]["mean_error_m"] for when in ("before", "after"))
+    programs.check(before >= 2 * after, f"what was missing is inserted: {before * 1000:.1f} to {after * 1000:.1f} mm")
+    # The tracker mostly leaves out a box that stands 2 cm elsewhere, so there is little to gain; nothing may be lost.
+    before, after = (track["adjustments"][-1][when]["mean_error_m"] for when in ("before", "after"))
+    programs.check(after <= before + 0.0005, f"the moved box is put right: {before * 1000:.2f} to {after * 1000:.2f} mm")
     error = track["mean_error_m"]
     programs.check(error["before"] >= 2 * error["after"],
                    f"mean error {error['before'] * 1000:.2f} mm before the loop, {error['after'] * 1000:.2f} after: clearly worse")

@@ -267,8 +267,8 @@ TEST(MeshCache, UploadsASharedSubmeshOnceAndFreesWhatNobodyHolds) {
   cache.update(model);
   EXPECT_EQ(cache.size(), 2U);
   EXPECT_EQ(cache.mesh_of(model.nodes[0]).index_count, 6);
-  const unsigned kept = cache.mesh_of(model.nodes[1]).position_buffer;
-  const unsigned freed = cache.mesh_of(model.nodes[0]).position_buffer;
+  const unsigned kept = cache.mesh_of(model.nodes[1]).vertex_array;
+  const unsigned freed = cache.mesh_of(model.nodes[0]).vertex_array;
   Model next;
   next.nodes.push_back(model.nodes[1]);
   cache.update(next);
@@ -276,8 +276,8 @@ TEST(MeshCache, UploadsASharedSubmeshOnceAndFreesWhatNobodyHolds) {
   model = {};
   cache.update(next);
   EXPECT_EQ(cache.size(), 1U);
-  EXPECT_EQ(cache.mesh_of(next.nodes[0]).position_buffer, kept);
-  EXPECT_FALSE(glIsBuffer(freed));
+  EXPECT_EQ(cache.mesh_of(next.nodes[0]).vertex_array, kept);
+  EXPECT_FALSE(glIsVertexArray(freed));
   EXPECT_EQ(cache.mesh_of(Node{}).index_count, 0);
 }
 

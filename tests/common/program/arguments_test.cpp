@@ -23,6 +23,12 @@ TEST(FrameList, RefusesWhatIsNoList) {
   }
 }
 
+TEST(Between, TakesTheBoundsAndRefusesAllElse) {
+  const auto check = between(0.5, 2);
+  for (const char* text : {"0.5", "1", "2"}) EXPECT_EQ(check(text), "") << text;
+  for (const char* text : {"0.4", "2.1", "-1", "nan", "inf", "a", ""}) EXPECT_NE(check(text), "") << text;
+}
+
 TEST(SplitKind, SplitsAtTheFirstColon) {
   EXPECT_EQ(split_kind("recording:/a:b").kind, "recording");
   EXPECT_EQ(split_kind("recording:/a:b").rest, "/a:b");

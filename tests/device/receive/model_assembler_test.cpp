@@ -141,6 +141,17 @@ TEST_F(ModelAssemblerTest, BytesThatAreNoMeshAreCountedAndTheModelStays) {
   EXPECT_NE(assembler_.add(samples({a_}, manifest_of(1, 4, {a_}))), nullptr);
 }
 
+TEST_F(ModelAssemblerTest, BytesThatAreNoMeshAreTriedOnceAndCountedEachTime) {
+  NodePayload nonsense{1, 1, 2, {}, std::vector<std::byte>(500, std::byte{0x44})};
+  nonsense.hash = hash_of(nonsense.bytes);
+  testing::internal::CaptureStderr();
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(assembler_.add(samples({nonsense})), nullptr);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(assembler_.counts().rejected, 3u);
+  EXPECT_EQ(said.find("does not decode"), said.rfind("does not decode")) << said;
+  EXPECT_NE(said.find("does not decode"), std::string::npos);
+}
+
 TEST_F(ModelAssemblerTest, APayloadOfALaterRevisionWaitsForItsManifest) {
   ASSERT_NE(assembler_.add(samples({a_, b_}, manifest_of(1, 1, {a_, b_}))), nullptr);
   const auto c = payload_of(3, patch(5, 4), 1, 3);
