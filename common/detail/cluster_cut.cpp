@@ -18,25 +18,24 @@ class Planes {
       inside_[static_cast<std::size_t>(2 * axis)] = clip.row(3) + clip.row(axis);
       inside_[static_cast<std::size_t>(2 * axis + 1)] = clip.row(3) - clip.row(axis);
     }
-    for (auto& plane : inside_) plane /= plane.head<3>().norm();
-    depth_scale_ = depth_.head<3>().norm();
   }
 
-  [[nodiscard]] bool leave_out(const Sphere& sphere) const {
-    const Eigen::Vector4f center = sphere.center.homogeneous();
-    return std::any_of(inside_.begin(), inside_.end(),
-                       [&](const Eigen::Vector4f& plane) { return plane.dot(center) < -sphere.radius; });
+  [[nodiscard]] bool leave_out(const Eigen::AlignedBox3f& box) const {
+    const Eigen::Vector4f center = box.center().homogeneous();
+    const Eigen::Vector3f half = 0.5f * box.sizes();
+    return std::any_of(inside_.begin(), inside_.end(), [&](const Eigen::Vector4f& plane) {
+      return plane.dot(center) < -plane.head<3>().cwiseAbs().dot(half);
+    });
   }
 
-  /// Of the sphere's nearest point.
-  [[nodiscard]] float depth(const Sphere& sphere) const {
-    return depth_.dot(sphere.center.homogeneous()) - depth_scale_ * sphere.radius;
+  /// Of the box's nearest corner.
+  [[nodiscard]] float depth(const Eigen::AlignedBox3f& box) const {
+    return depth_.dot(box.center().homogeneous()) - 0.5f * depth_.head<3>().cwiseAbs().dot(box.sizes());
   }
 
  private:
   std::array<Eigen::Vector4f, 6> inside_;
   Eigen::Vector4f depth_;
-  float depth_scale_ = 1;
 };
 
 }  // namespace
@@ -60,7 +59,7 @@ const std::vector<TriangleRange>& ClusterCut::choose(const ClusterHierarchy& hie
   is_fine_enough_.resize(hierarchy.groups.size());
   for (std::size_t i = 0; i < hierarchy.groups.size(); ++i) {
     const ClusterGroup& group = hierarchy.groups[i];
-    const bool fits = group.error_m <= view.tolerance->at(planes.depth(group.sphere));
+    const bool fits = group.error_m <= view.tolerance->at(planes.depth(group.bounds));
     is_fine_enough_[i] = fits && !view.tolerance->is_exact() ? 1 : 0;
   }
   const auto fine_enough = [&](std::int32_t group) { return is_fine_enough_[static_cast<std::size_t>(group)] != 0; };

@@ -16,14 +16,12 @@ namespace {
 
 constexpr std::size_t kTrianglesPerCluster = 128;
 constexpr std::size_t kVerticesPerCluster = 128;
-constexpr std::size_t kClustersPerGroup = 8;
+constexpr std::size_t kClustersPerGroup = 16;
 /// A group that keeps more of its triangles than this waits for other neighbours on the next level.
-constexpr double kWorthwhile = 0.8;
+constexpr double kWorthwhile = 0.85;
 
 /// Cuts into connected clusters.
-std::vector<std::vector<Triangle>> cut(const std::vector<Eigen::Vector3f>& all_positions,
-                                       const std::vector<Triangle>& all_triangles) {
-  const LocalMesh local = make_local(all_positions, all_triangles);
+std::vector<std::vector<Triangle>> cut(const LocalMesh& local) {
   const auto& positions = local.positions;
   const auto& triangles = local.triangles;
   const std::size_t indices = 3 * triangles.size();
@@ -49,7 +47,7 @@ std::vector<std::vector<Triangle>> cut(const std::vector<Eigen::Vector3f>& all_p
 
 class Builder {
  public:
-  explicit Builder(const Submesh& submesh) : submesh_{submesh} {}
+  explicit Builder(const Submesh& submesh) : submesh_{submesh}, cutter_{submesh.positions} {}
 
   ClusterHierarchy build() {
     weld();
@@ -75,20 +73,20 @@ class Builder {
   }
 
   void add_finest() {
-    for (auto& original : cut(submesh_.positions, submesh_.triangles)) {
+    for (auto& original : cut(cutter_.take(submesh_.triangles))) {
       WorkingCluster cluster;
       for (const auto& [a, b, c] : original) {
         const Triangle welded{place_of_[a], place_of_[b], place_of_[c]};
         const bool has_area = welded[0] != welded[1] && welded[1] != welded[2] && welded[2] != welded[0];
         if (has_area) cluster.triangles.push_back(welded);
       }
-      cluster.bounds = bounding_sphere(submesh_.positions, original);
+      cluster.bounds = bounds_of(submesh_.positions, original);
       cluster.index = add(original, cluster.bounds, Cluster::kNone);
       if (!cluster.triangles.empty()) active_.push_back(std::move(cluster));
     }
   }
 
-  std::uint32_t add(const std::vector<Triangle>& triangles, const Sphere& bounds, std::int32_t made_by) {
+  std::uint32_t add(const std::vector<Triangle>& triangles, const Eigen::AlignedBox3f& bounds, std::int32_t made_by) {
     Cluster cluster;
     cluster.first_triangle = static_cast<std::uint32_t>(result_.triangles.size());
     cluster.triangle_count = static_cast<std::uint32_t>(triangles.size());
@@ -118,7 +116,8 @@ class Builder {
       const auto& triangles = active_[member].triangles;
       all.insert(all.end(), triangles.begin(), triangles.end());
     }
-    const Simplified simple = simplify_to_half(submesh_.positions, all);
+    const LocalMesh part = cutter_.take(all);
+    Simplified simple = simplify_to_half(part);
     if (simple.triangles.empty() ||
         static_cast<double>(simple.triangles.size()) > kWorthwhile * static_cast<double>(all.size())) {
       for (const auto member : members) next.push_back(std::move(active_[member]));
@@ -127,9 +126,10 @@ class Builder {
     const auto index = static_cast<std::int32_t>(result_.groups.size());
     result_.groups.push_back(group_over(members, simple.deviation_m));
     for (const auto member : members) result_.clusters[active_[member].index].replaced_by = index;
-    for (auto& triangles : cut(submesh_.positions, simple.triangles)) {
+    for (auto& triangle : simple.triangles) triangle = part.outside(triangle);
+    for (auto& triangles : cut(cutter_.take(simple.triangles))) {
       WorkingCluster cluster;
-      cluster.bounds = bounding_sphere(submesh_.positions, triangles);
+      cluster.bounds = bounds_of(submesh_.positions, triangles);
       cluster.index = add(triangles, cluster.bounds, index);
       cluster.triangles = std::move(triangles);
       next.push_back(std::move(cluster));
@@ -138,14 +138,13 @@ class Builder {
 
   ClusterGroup group_over(const std::vector<std::uint32_t>& members, float deviation_m) const {
     ClusterGroup group;
-    group.sphere = active_[members.front()].bounds;
     float below_m = 0;
     for (const auto member : members) {
-      group.sphere = joined(group.sphere, active_[member].bounds);
+      group.bounds.extend(active_[member].bounds);
       const std::int32_t made_by = result_.clusters[active_[member].index].made_by;
       if (made_by == Cluster::kNone) continue;
       const ClusterGroup& below = result_.groups[static_cast<std::size_t>(made_by)];
-      group.sphere = joined(group.sphere, below.sphere);
+      group.bounds.extend(below.bounds);
       below_m = std::max(below_m, below.error_m);
     }
     group.error_m = below_m + deviation_m;
@@ -171,6 +170,7 @@ class Builder {
   }
 
   const Submesh& submesh_;
+  PartCutter cutter_;
   std::vector<std::uint32_t> place_of_;
   std::vector<WorkingCluster> active_;
   ClusterHierarchy result_;

@@ -1,6 +1,7 @@
 #pragma once
 // A submesh in levels of detail, so that drawing costs what the picture shows and not what the model holds.
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <vector>
 
@@ -8,17 +9,11 @@
 
 namespace meshloop {
 
-/// In the submesh's frame, metres.
-struct Sphere {
-  Eigen::Vector3f center = Eigen::Vector3f::Zero();
-  float radius = 0;
-};
-
 /// Clusters that were replaced together by fewer triangles. On the border of a group nothing moves, so a picture may
 /// show one group coarse and its neighbour fine, and no crack opens.
 struct ClusterGroup {
-  /// Encloses the spheres of all groups that it goes back to, and their triangles.
-  Sphere sphere;
+  /// In the submesh's frame, metres: encloses the boxes of all groups that it goes back to, and their triangles.
+  Eigen::AlignedBox3f bounds;
   /// No point of the original surface lies farther from the group's replacement; at least the errors of the groups that
   /// it goes back to.
   float error_m = 0;
@@ -29,7 +24,7 @@ struct Cluster {
   /// Positions in ClusterHierarchy::triangles.
   std::uint32_t first_triangle = 0;
   std::uint32_t triangle_count = 0;
-  Sphere bounds;
+  Eigen::AlignedBox3f bounds;
   /// The group whose replacement it is a part of; none: original triangles.
   std::int32_t made_by = kNone;
   /// The group that replaces it where less detail does; none: nothing does.
@@ -39,7 +34,7 @@ struct Cluster {
 };
 
 /// The replacements' vertices are the submesh's own. A picture of tolerance e shows a cluster when the group that made
-/// it has an error of at most e and the one that replaces it has not: with spheres and errors that grow upwards this is
+/// it has an error of at most e and the one that replaces it has not: with bounds and errors that grow upwards this is
 /// one surface without gaps or doubles, however e depends on the place.
 struct ClusterHierarchy {
   /// Position k of a vertex buffer holds vertex vertex_order[k] of the submesh: those of the coarsest levels first, so

@@ -85,7 +85,7 @@ class Grower {
 };
 
 float distance(const WorkingCluster& a, const WorkingCluster& b) {
-  return (a.bounds.center - b.bounds.center).squaredNorm();
+  return (a.bounds.center() - b.bounds.center()).squaredNorm();
 }
 
 /// Joins groups that came out small to the group before: what has no common edge (separate pieces, specks) would

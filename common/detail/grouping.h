@@ -8,8 +8,8 @@
 
 namespace meshloop {
 
-/// Groups of at most `largest` clusters that share as many border edges as a greedy choice finds. Every cluster is in one
-/// group. Positions in `clusters`.
+/// Groups of at most `largest` clusters that share as many border edges as a greedy choice finds. Every cluster is in
+/// one group. Positions in `clusters`.
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> group_neighbours(std::span<const WorkingCluster> clusters,
                                                                        std::size_t largest);
 

@@ -1,6 +1,6 @@
 #include "common/detail/hierarchy_builder.h"
 
-#include <sched.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <utility>
@@ -41,8 +41,8 @@ void HierarchyBuilder::wait() {
 }
 
 void HierarchyBuilder::work() {
-  const sched_param lowest{};
-  sched_setscheduler(0, SCHED_IDLE, &lowest);  // of this thread alone; when refused it only competes more
+  constexpr int kYielding = 10;
+  setpriority(PRIO_PROCESS, 0, kYielding);  // Linux: of this thread alone
   std::unique_lock lock{mutex_};
   for (;;) {
     changed_.wait(lock, [&] { return ending_ || !asked_.empty(); });

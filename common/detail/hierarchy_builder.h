@@ -12,11 +12,11 @@
 
 namespace meshloop {
 
-/// Threads that turn submeshes into hierarchies, in the order of asking. Frames never wait for it. All functions from any
-/// thread.
+/// Threads that turn submeshes into hierarchies, in the order of asking. Frames never wait for it. All functions from
+/// any thread.
 class HierarchyBuilder {
  public:
-  /// At least one thread; each runs at the lowest priority, so that live frames come first.
+  /// At least one thread; each yields to the frames of a live program.
   explicit HierarchyBuilder(unsigned threads);
   /// Work that was not begun is given up.
   ~HierarchyBuilder();

@@ -1,21 +1,33 @@
 #include "common/detail/local_mesh.h"
 
-#include <algorithm>
-
 namespace meshloop {
+namespace {
 
-LocalMesh make_local(const std::vector<Eigen::Vector3f>& positions, std::span<const Triangle> triangles) {
+constexpr std::uint32_t kUnnumbered = ~0U;
+
+}  // namespace
+
+PartCutter::PartCutter(const std::vector<Eigen::Vector3f>& positions)
+    : positions_{positions}, number_of_(positions.size(), kUnnumbered) {}
+
+LocalMesh PartCutter::take(std::span<const Triangle> triangles) {
   LocalMesh local;
-  local.vertices.reserve(3 * triangles.size());
-  for (const auto& triangle : triangles) local.vertices.insert(local.vertices.end(), triangle.begin(), triangle.end());
-  std::sort(local.vertices.begin(), local.vertices.end());
-  local.vertices.erase(std::unique(local.vertices.begin(), local.vertices.end()), local.vertices.end());
-  for (const auto vertex : local.vertices) local.positions.push_back(positions[vertex]);
+  local.triangles.reserve(triangles.size());
   const auto number = [&](std::uint32_t vertex) {
-    const auto place = std::lower_bound(local.vertices.begin(), local.vertices.end(), vertex);
-    return static_cast<std::uint32_t>(place - local.vertices.begin());
+    auto& known = number_of_[vertex];
+    if (known == kUnnumbered) {
+      known = static_cast<std::uint32_t>(local.vertices.size());
+      local.vertices.push_back(vertex);
+      local.positions.push_back(positions_[vertex]);
+    }
+    return known;
   };
-  for (const auto& [a, b, c] : triangles) local.triangles.push_back({number(a), number(b), number(c)});
+  for (const auto& [a, b, c] : triangles) {
+    const std::uint32_t first = number(a);
+    const std::uint32_t second = number(b);
+    local.triangles.push_back({first, second, number(c)});
+  }
+  for (const auto vertex : local.vertices) number_of_[vertex] = kUnnumbered;
   return local;
 }
 

@@ -18,6 +18,17 @@ struct LocalMesh {
   }
 };
 
-[[nodiscard]] LocalMesh make_local(const std::vector<Eigen::Vector3f>& positions, std::span<const Triangle> triangles);
+/// Takes parts out of one large mesh; what a part costs does not depend on the size of the whole.
+class PartCutter {
+ public:
+  /// The positions must outlive it.
+  explicit PartCutter(const std::vector<Eigen::Vector3f>& positions);
+  /// Vertices are numbered in the order in which the triangles name them.
+  [[nodiscard]] LocalMesh take(std::span<const Triangle> triangles);
+
+ private:
+  const std::vector<Eigen::Vector3f>& positions_;
+  std::vector<std::uint32_t> number_of_;
+};
 
 }  // namespace meshloop

@@ -3,8 +3,10 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace meshloop {
 namespace {
@@ -32,8 +34,9 @@ class Incidence {
   std::vector<std::uint32_t> entries_;
 };
 
-/// Looks from a vertex that was left out over the old triangles for those that stayed, and measures to the new triangles
-/// there. Which of the new ones is nearest need not be among them: the answer is then too large, never too small.
+/// Looks from a vertex that was left out over the old triangles, ring by ring, for those that stayed, and measures to
+/// the new triangles there. Only the largest distance counts: a vertex is done with as soon as it cannot be that one,
+/// and when nothing near says so all new triangles are asked.
 class DeviationSearch {
  public:
   DeviationSearch(const LocalMesh& before, const std::vector<Triangle>& after)
@@ -46,14 +49,14 @@ class DeviationSearch {
   float largest() {
     float square = 0;
     for (std::uint32_t vertex = 0; vertex < before_.vertices.size(); ++vertex) {
-      if (new_triangles_.at(vertex).empty()) square = std::max(square, at(vertex));
+      if (new_triangles_.at(vertex).empty()) square = std::max(square, at(vertex, square));
     }
     return std::sqrt(square);
   }
 
  private:
-  float at(std::uint32_t vertex) {
-    constexpr int kRingsBeyondTheFirst = 1;
+  float at(std::uint32_t vertex, float enough) {
+    constexpr int kRingsBeyondTheFirst = 2;
     float square = std::numeric_limits<float>::infinity();
     int rings_left = kRingsBeyondTheFirst;
     ++round_;
@@ -63,9 +66,9 @@ class DeviationSearch {
     while (!ring.empty()) {
       grow(ring);
       for (const auto other : ring) square = std::min(square, distance(vertex, other));
-      if (std::isfinite(square) && rings_left-- == 0) break;
+      if (square <= enough || (std::isfinite(square) && rings_left-- == 0)) break;
     }
-    return std::isfinite(square) ? square : to_all(vertex);
+    return square <= enough ? square : to_all(vertex);
   }
 
   void grow(std::vector<std::uint32_t>& ring) {
@@ -84,7 +87,8 @@ class DeviationSearch {
 
   [[nodiscard]] float distance(std::uint32_t vertex, std::uint32_t kept) const {
     float square = std::numeric_limits<float>::infinity();
-    for (const auto triangle : new_triangles_.at(kept)) square = std::min(square, to_triangle(vertex, after_[triangle]));
+    for (const auto triangle : new_triangles_.at(kept))
+      square = std::min(square, to_triangle(vertex, after_[triangle]));
     return square;
   }
   [[nodiscard]] float to_all(std::uint32_t vertex) const {
@@ -106,6 +110,50 @@ class DeviationSearch {
   std::vector<std::uint32_t> ring_;
   std::vector<std::uint32_t> next_;
 };
+
+Eigen::Vector3f normal_of(const LocalMesh& part, const Triangle& triangle) {
+  const auto& a = part.positions[triangle[0]];
+  return (part.positions[triangle[1]] - a).cross(part.positions[triangle[2]] - a);
+}
+
+/// Weighted with the triangles' areas, of no particular length.
+std::vector<Eigen::Vector3f> vertex_normals(const LocalMesh& part) {
+  std::vector<Eigen::Vector3f> normals(part.positions.size(), Eigen::Vector3f::Zero());
+  for (const auto& triangle : part.triangles) {
+    const Eigen::Vector3f normal = normal_of(part, triangle);
+    for (const auto vertex : triangle) normals[vertex] += normal;
+  }
+  return normals;
+}
+
+/// Some triangle faces against the old surface at its corners.
+bool is_folded(const LocalMesh& part, const std::vector<Eigen::Vector3f>& old_normals,
+               const std::vector<Triangle>& triangles) {
+  return std::any_of(triangles.begin(), triangles.end(), [&](const Triangle& triangle) {
+    const auto& [a, b, c] = triangle;
+    return normal_of(part, triangle).dot(old_normals[a] + old_normals[b] + old_normals[c]) < 0;
+  });
+}
+
+struct Collapsed {
+  std::vector<Triangle> triangles;
+  /// meshoptimizer's own estimate, relative to the part's size.
+  float error = 0;
+};
+
+Collapsed collapse(const LocalMesh& part, double share) {
+  // In effect without a limit: the error is judged afterwards.
+  constexpr float kAnyError = 1;
+  Collapsed result;
+  result.triangles.resize(part.triangles.size());
+  const auto target = static_cast<std::size_t>(share * static_cast<double>(part.triangles.size()));
+  const std::size_t kept =
+      meshopt_simplify(result.triangles.front().data(), part.triangles.front().data(), 3 * part.triangles.size(),
+                       part.positions.front().data(), part.positions.size(), sizeof(Eigen::Vector3f), 3 * target,
+                       kAnyError, meshopt_SimplifyLockBorder, &result.error);
+  result.triangles.resize(kept / 3);
+  return result;
+}
 
 float square_to_segment(const Eigen::Vector3f& p, const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
   const Eigen::Vector3f edge = b - a;
@@ -129,20 +177,21 @@ float squared_distance(const Eigen::Vector3f& p, const Eigen::Vector3f& a, const
   return std::min({square_to_segment(p, a, b), square_to_segment(p, b, c), square_to_segment(p, c, a)});
 }
 
-Simplified simplify_to_half(const std::vector<Eigen::Vector3f>& positions, std::span<const Triangle> triangles) {
-  // Relative to the group's size: in effect without a limit, since the error is measured afterwards.
-  constexpr float kAnyError = 1;
-  const LocalMesh local = make_local(positions, triangles);
-  const std::size_t indices = 3 * triangles.size();
-  std::vector<Triangle> after(triangles.size());
-  const std::size_t kept = meshopt_simplify(after.front().data(), local.triangles.front().data(), indices,
-                                            local.positions.front().data(), local.positions.size(),
-                                            sizeof(Eigen::Vector3f), indices / 6 * 3, kAnyError,
-                                            meshopt_SimplifyLockBorder, nullptr);
-  after.resize(kept / 3);
+Simplified simplify_to_half(const LocalMesh& part) {
+  // With its border held, a part may have no good way to a half: the last collapses then cost many times what those
+  // before did, or fold the surface over itself. Fewer collapses are taken then.
+  constexpr std::array kShares{0.5, 0.6, 0.7, 0.8};
+  constexpr float kCliff = 3;
+  const auto normals = vertex_normals(part);
+  Collapsed chosen = collapse(part, kShares.front());
+  for (std::size_t i = 1; i < kShares.size(); ++i) {
+    Collapsed gentler = collapse(part, kShares[i]);
+    if (chosen.error <= kCliff * gentler.error && !is_folded(part, normals, chosen.triangles)) break;
+    chosen = std::move(gentler);
+  }
   Simplified result;
-  if (!after.empty()) result.deviation_m = DeviationSearch{local, after}.largest();
-  for (const auto& triangle : after) result.triangles.push_back(local.outside(triangle));
+  result.triangles = std::move(chosen.triangles);
+  if (!result.triangles.empty()) result.deviation_m = DeviationSearch{part, result.triangles}.largest();
   return result;
 }
 

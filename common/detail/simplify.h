@@ -9,15 +9,14 @@
 namespace meshloop {
 
 struct Simplified {
-  /// A selection of the same vertices.
+  /// Over the vertices of the part that was simplified.
   std::vector<Triangle> triangles;
-  /// Largest distance from a vertex that was left out to the new triangles, or a little more.
+  /// Largest distance from a vertex that was left out to the new triangles.
   float deviation_m = 0;
 };
 
 /// Vertices on the border (edges with one triangle) stay.
-[[nodiscard]] Simplified simplify_to_half(const std::vector<Eigen::Vector3f>& positions,
-                                          std::span<const Triangle> triangles);
+[[nodiscard]] Simplified simplify_to_half(const LocalMesh& part);
 
 /// Squared distance of p to the triangle a, b, c.
 [[nodiscard]] float squared_distance(const Eigen::Vector3f& p, const Eigen::Vector3f& a, const Eigen::Vector3f& b,

@@ -10,15 +10,18 @@ namespace meshloop {
 struct WorkingCluster {
   /// Vertices of the submesh; those at one place are one vertex.
   std::vector<Triangle> triangles;
-  Sphere bounds;
+  Eigen::AlignedBox3f bounds;
   /// Position in ClusterHierarchy::clusters.
   std::uint32_t index = 0;
 };
 
-/// Encloses all of the vertices; within a few percent of the smallest.
-[[nodiscard]] Sphere bounding_sphere(const std::vector<Eigen::Vector3f>& positions,
-                                     const std::vector<Triangle>& triangles);
-/// Encloses both.
-[[nodiscard]] Sphere joined(const Sphere& a, const Sphere& b);
+[[nodiscard]] inline Eigen::AlignedBox3f bounds_of(const std::vector<Eigen::Vector3f>& positions,
+                                                   const std::vector<Triangle>& triangles) {
+  Eigen::AlignedBox3f bounds;
+  for (const auto& triangle : triangles) {
+    for (const auto vertex : triangle) bounds.extend(positions[vertex]);
+  }
+  return bounds;
+}
 
 }  // namespace meshloop

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <thread>
 #include <utility>
 
 #include "common/base/clock.h"
@@ -77,7 +78,7 @@ void MeshCache::update(const Model& model) {
     if (node.submesh == nullptr) continue;
     const bool is_new = entries_.try_emplace(node.submesh.get(), node.submesh).second;
     if (!is_new || node.submesh->triangles.size() < kWorthAHierarchy) continue;
-    if (!builder_) builder_ = std::make_unique<HierarchyBuilder>(1);
+    if (!builder_) builder_ = std::make_unique<HierarchyBuilder>(std::thread::hardware_concurrency());
     builder_->ask(node.submesh);
   }
   refine_ready(kRefining_ms);

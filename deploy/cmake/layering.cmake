@@ -7,7 +7,7 @@ set(MESHLOOP_VENDOR_ROOMS
   "^dds/|^common/transport/"
   "^(EGL|GLES[23]*|KHR)/|^(common/gpu|device/draw)/"
   "^(spng|turbojpeg|tiffio)|^common/image/"
-  "^meshoptimizer|^common/gpu/"
+  "^meshoptimizer|^common/detail/"
   "^assimp/|^common/interchange/"
   "^yaml-cpp/|^common/recording/"
   "^sqlite3|^server/store/"

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "common/gpu/mesh_cache.h"
 #include "common/gpu/scene_renderer.h"
 #include "server/compare/comparator.h"
 #include "server/compare/region_tracker.h"
@@ -82,6 +83,12 @@ void render_on_gpu(benchmark::State& state) {
   const Model model = wavy_model(state.range(0));
   SceneView view;
   view.camera = kinect();
+  view.depth_only = state.range(1) >= 2;
+  if (state.range(1) != 0) {
+    const SensorModel sensor;
+    view.tolerance = Tolerance{[&](double z_m) { return sensor.sigma_z_m(z_m, 0) / 5; }};
+    (*context)->meshes().finish(model);
+  }
   for (auto _ : state) {
     (*renderer)->render(model, view);
     benchmark::DoNotOptimize((*renderer)->read_depth());
@@ -133,9 +140,7 @@ void find_regions(benchmark::State& state) {
 }
 
 BENCHMARK(render_on_gpu)
-    ->Arg(15'000)
-    ->Arg(100'000)
-    ->Arg(500'000)
+    ->ArgsProduct({{15'000, 500'000, 2'500'000}, {0, 1, 2}})
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime()
     ->UseRealTime();

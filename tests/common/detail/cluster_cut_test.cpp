@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <random>
-#include <set>
+#include <utility>
 
 #include "common/detail/simplify.h"
 #include "meshes.h"
@@ -48,24 +48,21 @@ std::vector<Triangle> chosen(const ClusterHierarchy& hierarchy, const Tolerance&
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-/// Directed edges without a partner: the border of a surface. Refuses an edge that occurs twice.
-std::set<Edge> border_of(const std::vector<Triangle>& triangles) {
-  std::set<Edge> edges;
+/// How often each edge is run through in one direction more than in the other: the border of a surface.
+std::map<Edge, int> border_of(const std::vector<Triangle>& triangles) {
+  std::map<Edge, int> border;
   for (const auto& [a, b, c] : triangles) {
-    for (const Edge& edge : {Edge{a, b}, Edge{b, c}, Edge{c, a}}) {
-      EXPECT_TRUE(edges.insert(edge).second) << "two triangles on one side of an edge";
+    for (const auto& [from, to] : {Edge{a, b}, Edge{b, c}, Edge{c, a}}) {
+      border[std::minmax(from, to)] += from < to ? 1 : -1;
     }
   }
-  std::set<Edge> border;
-  for (const auto& [a, b] : edges) {
-    if (!edges.contains({b, a})) border.insert({a, b});
-  }
+  std::erase_if(border, [](const auto& edge) { return edge.second == 0; });
   return border;
 }
 
 float deviation_of(const Submesh& mesh, const std::vector<Triangle>& shown) {
   float square = 0;
-  for (std::size_t v = 0; v < mesh.positions.size(); v += 7) {
+  for (std::size_t v = 0; v < mesh.positions.size(); v += 31) {
     float nearest = 1e9f;
     for (const auto& [a, b, c] : shown) {
       nearest = std::min(nearest, squared_distance(mesh.positions[v], mesh.positions[a], mesh.positions[b],
@@ -98,7 +95,7 @@ TEST(ClusterCut, LessDetailIsFewerTrianglesWithinTheTolerance) {
     EXPECT_LE(deviation_of(mesh, shown), tolerance_m);
     finer = shown.size();
   }
-  EXPECT_LT(finer, mesh.triangles.size() / 20);
+  EXPECT_LT(finer, mesh.triangles.size() / 25);
 }
 
 TEST(ClusterCut, NoCrackOpensWhereDetailChanges) {
@@ -111,10 +108,10 @@ TEST(ClusterCut, NoCrackOpensWhereDetailChanges) {
     const auto border = border_of(mesh->triangles);
     for (int i = 0; i < 20; ++i) {
       const double slope = 0.02 * share(random) * share(random);
-      const double start_m = 2 * share(random);
+      const double start_m = 3 * share(random);
       const Tolerance tolerance{[=](double z_m) { return slope * std::max(0.0, z_m - start_m); }};
       CutView view;
-      view.clip_from_mesh = all_around(0.5f);
+      view.clip_from_mesh = all_around(2.2f);
       view.clip_from_mesh(3, 0) = static_cast<float>(share(random));
       view.tolerance = &tolerance;
       EXPECT_EQ(border_of(chosen(hierarchy, view)), border) << "slope " << slope << " from " << start_m;
@@ -136,7 +133,7 @@ TEST(ClusterCut, WhatLiesBesideTheViewIsLeftOut) {
   const auto shown = chosen(hierarchy, view);
   std::size_t inside = 0;
   for (const auto& triangle : mesh.triangles) {
-    inside += std::ranges::all_of(triangle, [&](auto v) { return mesh.positions[v].head<2>().minCoeff() >= 0; }) ? 1 : 0;
+    inside += std::ranges::all_of(triangle, [&](std::uint32_t v) { return mesh.positions[v].head<2>().minCoeff() >= 0; }) ? 1 : 0;
   }
   EXPECT_GE(shown.size(), inside);
   EXPECT_LT(shown.size(), inside + mesh.triangles.size() / 8);
