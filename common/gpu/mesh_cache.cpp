@@ -33,8 +33,7 @@ std::vector<T> in_order(const std::vector<T>& values, const std::vector<std::uin
 
 void draw_triangles(std::uint32_t first, std::uint32_t count) {
   const auto offset = std::uintptr_t{first} * sizeof(Triangle);
-  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * count), GL_UNSIGNED_INT,
-                 reinterpret_cast<const void*>(offset));
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * count), GL_UNSIGNED_INT, reinterpret_cast<const void*>(offset));
 }
 
 }  // namespace

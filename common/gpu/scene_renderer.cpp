@@ -39,10 +39,11 @@ struct Targets {
   }
 
   /// Binds them for drawing.
-  void bind(bool depth_only) const {
+  void bind(bool with_nodes, bool with_color) const {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
-    constexpr std::array<GLenum, 3> kAll{GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
-    glDrawBuffers(depth_only ? 1 : static_cast<GLsizei>(kAll.size()), kAll.data());
+    const std::array<GLenum, 3> wanted{GL_COLOR_ATTACHMENT0, with_nodes ? GL_COLOR_ATTACHMENT1 : GLenum{GL_NONE},
+                                       with_color ? GL_COLOR_ATTACHMENT2 : GLenum{GL_NONE}};
+    glDrawBuffers(static_cast<GLsizei>(wanted.size()), wanted.data());
   }
 
  private:
@@ -79,16 +80,15 @@ class GlSceneRenderer final : public SceneRenderer {
   Targets targets_;
 };
 
-void clear_targets(bool depth_only) {
+void clear_targets(bool with_nodes, bool with_color) {
   constexpr std::array<float, 4> kNoDepth{0, 0, 0, 0};
   constexpr std::array<GLuint, 4> kNoNode{0, 0, 0, 0};
   constexpr std::array<float, 4> kNoColor{0, 0, 0, 0};
   constexpr float kFarthest = 1;
   glClearBufferfv(GL_COLOR, 0, kNoDepth.data());
   glClearBufferfv(GL_DEPTH, 0, &kFarthest);
-  if (depth_only) return;
-  glClearBufferuiv(GL_COLOR, 1, kNoNode.data());
-  glClearBufferfv(GL_COLOR, 2, kNoColor.data());
+  if (with_nodes) glClearBufferuiv(GL_COLOR, 1, kNoNode.data());
+  if (with_color) glClearBufferfv(GL_COLOR, 2, kNoColor.data());
 }
 
 // Everything that the drawing depends on is set here: the context is shared with other drawing.
@@ -97,7 +97,7 @@ void GlSceneRenderer::prepare(const SceneView& view) {
   if (camera.width != targets_.width || camera.height != targets_.height) {
     targets_ = Targets(camera.width, camera.height);
   }
-  targets_.bind(view.depth_only);
+  targets_.bind(view.nodes, view.color);
   glViewport(0, 0, targets_.width, targets_.height);
   if (view.area) {
     glEnable(GL_SCISSOR_TEST);
@@ -121,7 +121,7 @@ void GlSceneRenderer::render(const Model& model, const SceneView& view) {
   context_.make_current();
   prepare(view);
   context_.meshes().update(model);
-  clear_targets(view.depth_only);
+  clear_targets(view.nodes, view.color);
   draw_nodes(model, view);
   glBindVertexArray(0);
   glDisable(GL_SCISSOR_TEST);
@@ -187,7 +187,7 @@ Result<std::unique_ptr<SceneRenderer>> SceneRenderer::create(GpuContext& context
   auto program = Program::create(shaders::scene_vert, shaders::scene_frag);
   if (!program) return fail("preparing the scene renderer", program.error());
   Targets targets(kFirstSize, kFirstSize);
-  targets.bind(false);
+  targets.bind(true, true);
   if (auto usable = check_framebuffer("float depth images"); !usable) return fail(usable.error());
   return std::unique_ptr<SceneRenderer>{
       std::make_unique<GlSceneRenderer>(context, std::move(*program), std::move(targets))};

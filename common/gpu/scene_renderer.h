@@ -24,9 +24,11 @@ struct SceneView {
   /// Only these pixels are drawn when it is given; what the textures hold elsewhere is left open. Not empty, and within
   /// the picture.
   std::optional<ScreenArea> area = std::nullopt;
-  /// The node and the colour texture are left alone, which saves a part of the time.
-  bool depth_only = false;
-  /// How far the drawn surfaces may lie from the model's, for the sake of speed. Colours are right only when it is exact.
+  /// Textures that are not wanted are left alone, which saves a part of the time.
+  bool nodes = true;
+  bool color = true;
+  /// How far the drawn surfaces may lie from the model's, for the sake of speed. Colours are right only when it is
+  /// exact.
   Tolerance tolerance;
 };
 

@@ -189,7 +189,7 @@ void GlArRenderer::augment(const ArFrame& frame, const std::vector<const Virtual
   view.T_camera_world = frame.T_camera_world;
   view.near_m = kNear_m;
   view.area = area;
-  view.depth_only = true;
+  view.nodes = view.color = false;
   parts_.scene->render(model, view);
 
   upload_part(parts_.targets.camera_picture, picture, area);

@@ -22,6 +22,12 @@ struct CompareInput {
   /// Measured depth in metres, 0 where there is none, in the camera's size.
   const DepthImage* measured = nullptr;
   Threshold threshold;
+  /// The drawn model may lie beside the true one by this share of the sensor's sigma at the depth, as root mean square
+  /// (README.md, "Levels of detail"). 0: every triangle is drawn.
+  double detail_share = 0.2;
+  /// Levels of detail come from another thread; until they are there a node is drawn exactly. True: wait for them, so
+  /// that the result does not depend on that thread.
+  bool wait_for_detail = false;
 };
 
 struct CompareTimes {

@@ -245,15 +245,15 @@ TEST_F(SceneRendererTest, APartAloneIsDrawnAsInTheWholePicture) {
   const auto depth = renderer_->read_depth();
   const auto nodes = renderer_->read_nodes();
   view_.area = ScreenArea{20, 10, 17, 30};
-  view_.depth_only = true;
+  view_.nodes = view_.color = false;
   renderer_->render(model, view_);
   const auto part = renderer_->read_depth();
   for (int v = 10; v < 40; ++v) {
     for (int u = 20; u < 37; ++u) ASSERT_EQ(part(u, v), depth(u, v)) << u << ", " << v;
   }
-  EXPECT_EQ(renderer_->read_nodes(), nodes) << "depth_only must leave the nodes alone";
+  EXPECT_EQ(renderer_->read_nodes(), nodes) << "nodes that are not wanted are left alone";
   view_.area.reset();
-  view_.depth_only = false;
+  view_.nodes = view_.color = true;
   renderer_->render(model, view_);
   EXPECT_EQ(renderer_->read_depth(), depth);
 }
