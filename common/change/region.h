@@ -26,8 +26,9 @@ struct Region {
   Eigen::AlignedBox2i pixel_box;
   /// In the world.
   Eigen::AlignedBox3d world_box;
-  /// In how many frames it has been seen.
+  /// In how many frames it has been seen, and from how many views (RegionOptions says what makes a view new).
   int frames_seen = 0;
+  int views_seen = 0;
   /// Seen often enough to be offered.
   bool confirmed = false;
 };
