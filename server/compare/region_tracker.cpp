@@ -17,6 +17,8 @@ constexpr double kBoxMargin_m = 0.02;
 // Of the smaller box; less is another piece of the world.
 constexpr double kLeastOverlap = 0.2;
 constexpr int kForgetUnconfirmedAfter = 5;
+// A region's centre shakes with its outline, by this share of its size at most.
+constexpr double kShakeOfSize = 0.25;
 
 // The part of an image's area that RegionOptions::min_pixels is meant for.
 double scale_of(const Camera& camera) {
@@ -123,7 +125,7 @@ bool same_size(const Comparison& comparison, const DepthImage& measured) {
 }  // namespace
 
 RegionMap RegionTracker::update(const Comparison& comparison, const DepthImage& measured, const Camera& camera,
-                                const Pose& T_camera_world) {
+                                const Pose& T_camera_world, int frames) {
   if (!same_size(comparison, measured)) return {};
   const Components components = connect_changes(comparison.labels);
   const auto all =
@@ -136,7 +138,7 @@ RegionMap RegionTracker::update(const Comparison& comparison, const DepthImage& 
     kept.push_back(all[i]);
     kept_at[i + 1] = kept.size();
   }
-  recognise(kept);
+  recognise(kept, {camera, T_camera_world, frames});
   forget();
 
   RegionMap map{Image<RegionId>(measured.width(), measured.height()), {}};
@@ -150,7 +152,7 @@ RegionMap RegionTracker::update(const Comparison& comparison, const DepthImage& 
 }
 
 // The best pairs first; each known region is found again at most once.
-void RegionTracker::recognise(std::vector<Region>& regions) {
+void RegionTracker::recognise(std::vector<Region>& regions, const View& view) {
   for (auto& known : known_) ++known.frames_unseen;
   std::vector<Match> matches;
   for (std::size_t r = 0; r < regions.size(); ++r) {
@@ -168,20 +170,45 @@ void RegionTracker::recognise(std::vector<Region>& regions) {
     if (region.id != 0 || known.frames_unseen == 0) continue;
     region.id = known.region.id;
     region.frames_seen = known.region.frames_seen;
+    region.views_seen = known.region.views_seen;
+    count_view(region, known, view);
     known.frames_unseen = 0;
   }
   for (auto& region : regions) {
-    const bool is_new = region.id == 0;
-    if (is_new) region.id = next_id_++;
-    ++region.frames_seen;
-    region.confirmed = region.frames_seen >= options_.confirm_frames;
-    const auto same_id = [&](const Known& known) { return known.region.id == region.id; };
-    if (is_new) {
-      known_.push_back({region, 0});
-    } else {
-      std::find_if(known_.begin(), known_.end(), same_id)->region = region;
+    if (region.id == 0) {
+      region.id = next_id_++;
+      region.views_seen = 1;
+      known_.push_back({region, 0, view.frames, view.T_camera_world, region.world_box.center()});
     }
+    Known& known =
+        *std::find_if(known_.begin(), known_.end(), [&](const Known& k) { return k.region.id == region.id; });
+    region.frames_seen += view.frames;
+    region.confirmed = known.region.confirmed || region.views_seen >= options_.confirm_views ||
+                       known.frames_at_rest >= options_.confirm_frames_at_rest;
+    known.region = region;
   }
+}
+
+// What sticks to the camera moves through the world with it; what is in the world does not.
+void RegionTracker::count_view(Region& region, Known& known, const View& view) const {
+  const Eigen::Vector3d centre_camera = known.T_camera_world * known.centre_world;
+  const Eigen::Vector3d carried_along = view.T_camera_world.inverse() * centre_camera;
+  const double shift_m = (carried_along - known.centre_world).norm();
+  const double pixel_m = centre_camera.z() / view.camera.fx;
+  if (shift_m < options_.new_view_px * view.camera.width / 640.0 * pixel_m) {
+    known.frames_at_rest += view.frames;
+    return;
+  }
+  const Eigen::Vector3d centre = region.world_box.center();
+  const double allowed_m = std::max(shift_m / 2, kShakeOfSize * region.world_box.diagonal().norm());
+  if ((centre - known.centre_world).norm() <= allowed_m) {
+    ++region.views_seen;
+  } else {
+    region.views_seen = 1;
+    known.frames_at_rest = view.frames;
+  }
+  known.T_camera_world = view.T_camera_world;
+  known.centre_world = centre;
 }
 
 void RegionTracker::forget() {
