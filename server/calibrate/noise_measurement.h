@@ -48,7 +48,7 @@ class NoiseMeasurement {
  public:
   static constexpr int kLeastFrames = 20;
   static constexpr int kMostFrames = 100;
-  static constexpr std::size_t kLeastEdges = 200;
+  static constexpr std::size_t kLeastEdges = 100;
 
   /// camera: pinhole intrinsics of the depth camera.
   explicit NoiseMeasurement(const Camera& camera) : camera_{camera} {}

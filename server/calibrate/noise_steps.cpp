@@ -11,6 +11,8 @@ namespace meshloop::noise {
 namespace {
 
 constexpr float kMeasuredShare = 0.8F;
+// A Kinect's pattern tears at edges; in the shadow of its projector only stray measurements are left.
+constexpr float kSeenAtEdge = 0.5F;
 // Of the depth: a greater step to a neighbour is an edge.
 constexpr float kEdge = 0.025F;
 constexpr int kFromEdge_px = 3;
@@ -51,14 +53,15 @@ double step_of(std::vector<float> depths) {
 // looked at a little away from it, where they are not mixed.
 std::optional<float> edge_after(const Image<PixelNoise>& pixels, int u, int v) {
   const auto mean = [&](int x) { return pixels(x, v).mean_m; };
+  const auto is_seen = [&](int x) { return pixels(x, v).measured_share > kSeenAtEdge; };
   const float left = mean(u - kBesideEdge_px);
   const float right = mean(u + 1 + kBesideEdge_px);
   if (left <= 0 || right <= 0 || !is_edge(left, right) || !is_edge(mean(u), mean(u + 1))) return std::nullopt;
   if (is_edge(left, mean(u - kBesideEdge_px - 1)) || is_edge(right, mean(u + 2 + kBesideEdge_px))) return std::nullopt;
   const float middle = 0.5F * (left + right);
   for (int i = 0; i <= kBesideEdge_px; ++i) {
-    const bool left_fits = mean(u - i) > 0 && (mean(u - i) < middle) == (left < middle);
-    const bool right_fits = mean(u + 1 + i) > 0 && (mean(u + 1 + i) < middle) == (right < middle);
+    const bool left_fits = is_seen(u - i) && (mean(u - i) < middle) == (left < middle);
+    const bool right_fits = is_seen(u + 1 + i) && (mean(u + 1 + i) < middle) == (right < middle);
     if (!left_fits || !right_fits) return std::nullopt;
   }
   return middle;

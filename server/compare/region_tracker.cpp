@@ -17,8 +17,8 @@ constexpr double kBoxMargin_m = 0.02;
 // Of the smaller box; less is another piece of the world.
 constexpr double kLeastOverlap = 0.2;
 constexpr int kForgetUnconfirmedAfter = 5;
-// A region's centre shakes with its outline, by this share of its size at most.
-constexpr double kShakeOfSize = 0.25;
+// A region's centre shakes with its outline: a large one must be seen to move by this share of its size.
+constexpr double kViewShareOfSize = 0.15;
 
 // The part of an image's area that RegionOptions::min_pixels is meant for.
 double scale_of(const Camera& camera) {
@@ -48,7 +48,9 @@ void add_pixel(Sums& sums, const PixelChange& pixel, const Camera& camera, const
   ++region.pixels;
   region.area_m2 += pixel.depth_m * pixel.depth_m / (camera.fx * camera.fy);
   region.pixel_box.extend(Eigen::Vector2i(pixel.u, pixel.v));
-  region.world_box.extend(T_world_camera * camera.back_project(pixel.u, pixel.v, pixel.depth_m));
+  const Eigen::Vector3d p_world = T_world_camera * camera.back_project(pixel.u, pixel.v, pixel.depth_m);
+  region.world_box.extend(p_world);
+  region.centre_m += p_world;
   if (!std::isfinite(pixel.difference_m)) {  // nothing was expected there
     sums.significance += kUnmodelledSignificance;
     return;
@@ -63,6 +65,7 @@ Region finish(Sums& sums) {
   Region& region = sums.region;
   if (sums.pixels_with_difference > 0) region.mean_difference_m = sums.difference_m / sums.pixels_with_difference;
   region.significance = sums.significance / std::max(region.pixels, 1);
+  region.centre_m /= std::max(region.pixels, 1);
   return region;
 }
 
@@ -99,6 +102,11 @@ double overlap(const Region& a, const Region& b) {
   const Eigen::AlignedBox3d wide_a{a.world_box.min() - margin, a.world_box.max() + margin};
   const Eigen::AlignedBox3d wide_b{b.world_box.min() - margin, b.world_box.max() + margin};
   return volume(wide_a.intersection(wide_b)) / std::min(volume(wide_a), volume(wide_b));
+}
+
+bool is_cut(const Region& region, const Camera& camera) {
+  const Eigen::AlignedBox2i& box = region.pixel_box;
+  return box.min().minCoeff() <= 1 || box.max().x() >= camera.width - 2 || box.max().y() >= camera.height - 2;
 }
 
 struct Match {
@@ -178,7 +186,7 @@ void RegionTracker::recognise(std::vector<Region>& regions, const View& view) {
     if (region.id == 0) {
       region.id = next_id_++;
       region.views_seen = 1;
-      known_.push_back({region, 0, view.frames, view.T_camera_world, region.world_box.center()});
+      known_.push_back({region, 0, view.frames, view.T_camera_world, region.centre_m});
     }
     Known& known =
         *std::find_if(known_.begin(), known_.end(), [&](const Known& k) { return k.region.id == region.id; });
@@ -189,26 +197,26 @@ void RegionTracker::recognise(std::vector<Region>& regions, const View& view) {
   }
 }
 
-// What sticks to the camera moves through the world with it; what is in the world does not.
+// What sticks to the camera moves through the world with it; what is in the world does not. The centre of a region that
+// is cut by the picture's border moves either way, and tells nothing.
 void RegionTracker::count_view(Region& region, Known& known, const View& view) const {
   const Eigen::Vector3d centre_camera = known.T_camera_world * known.centre_world;
   const Eigen::Vector3d carried_along = view.T_camera_world.inverse() * centre_camera;
   const double shift_m = (carried_along - known.centre_world).norm();
-  const double pixel_m = centre_camera.z() / view.camera.fx;
-  if (shift_m < options_.new_view_px * view.camera.width / 640.0 * pixel_m) {
+  const double needed_px = std::max(options_.new_view_px * view.camera.width / 640.0,
+                                    kViewShareOfSize * std::sqrt(static_cast<double>(region.pixels)));
+  if (shift_m < needed_px * centre_camera.z() / view.camera.fx || is_cut(region, view.camera)) {
     known.frames_at_rest += view.frames;
     return;
   }
-  const Eigen::Vector3d centre = region.world_box.center();
-  const double allowed_m = std::max(shift_m / 2, kShakeOfSize * region.world_box.diagonal().norm());
-  if ((centre - known.centre_world).norm() <= allowed_m) {
+  if ((region.centre_m - known.centre_world).norm() <= shift_m / 2) {
     ++region.views_seen;
   } else {
     region.views_seen = 1;
     known.frames_at_rest = view.frames;
   }
   known.T_camera_world = view.T_camera_world;
-  known.centre_world = centre;
+  known.centre_world = region.centre_m;
 }
 
 void RegionTracker::forget() {

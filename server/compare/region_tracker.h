@@ -14,14 +14,15 @@ struct RegionOptions {
   /// And this large in the world.
   double min_area_m2 = 1e-4;
   /// Seen from this many views before it is offered. A view is new when the camera moved so far since the last one that
-  /// an error which sticks to the camera's pixels would lie elsewhere in the world by now, by new_view_px at least, and
-  /// the region has not moved along.
+  /// an error which sticks to the camera's pixels would lie elsewhere in the world by now, by new_view_px at least
+  /// (more for large regions), and the region's centre has not moved along.
   int confirm_views = 3;
   /// In pixels at 640x480; scaled with the image's width.
   double new_view_px = 8;
-  /// A camera that rests gives no new views; then it takes this many frames. A region that moves along with the camera
+  /// A camera that rests gives no new views, and a region that the picture's border cuts shows none; then it takes this
+  /// many frames. A region that moves along with the camera
   /// begins again.
-  int confirm_frames_at_rest = 15;
+  int confirm_frames_at_rest = 8;
   /// How many sigma the comparison's thresholds stand for; a region's significance follows from it.
   double sigmas_per_threshold = 3;
   /// A region that was not seen for this many frames is forgotten: 5 when it was never confirmed.

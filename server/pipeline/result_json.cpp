@@ -33,6 +33,7 @@ nlohmann::json region_json(const Region& region) {
           {"significance", region.significance},
           {"box_px", box_json(region.pixel_box)},
           {"box_m", box_json(region.world_box)},
+          {"centre_m", std::vector(region.centre_m.begin(), region.centre_m.end())},
           {"frames_seen", region.frames_seen},
           {"views_seen", region.views_seen},
           {"confirmed", region.confirmed}};

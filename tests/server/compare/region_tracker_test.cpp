@@ -176,23 +176,23 @@ TEST_F(RegionTrackerTest, KeepsItsIdWhileTheCameraMovesAndIsConfirmed) {
 
 TEST_F(RegionTrackerTest, RestingCameraConfirmsLater) {
   paint({200, 200, 60, 50}, Label::closer, -0.5F);
-  for (int frame = 1; frame <= 20; ++frame) {
+  for (int frame = 1; frame <= 12; ++frame) {
     const auto map = update();
     ASSERT_EQ(map.regions.size(), 1U);
     EXPECT_EQ(map.regions[0].views_seen, 1);
-    EXPECT_EQ(map.regions[0].confirmed, frame >= 15) << frame;
+    EXPECT_EQ(map.regions[0].confirmed, frame >= 8) << frame;
   }
 }
 
 TEST_F(RegionTrackerTest, ViewsBeforeARestCount) {
-  for (int frame = 0; frame < 17; ++frame) {
+  for (int frame = 0; frame < 10; ++frame) {
     clear();
     const int shift = frame == 0 ? 0 : 12;
     T_camera_world_ = at(shift * 1.5 / camera_.fx, 0, 0);
     paint({200 + shift, 200, 60, 50}, Label::closer, -0.5F);
     const auto map = update();
     EXPECT_EQ(map.regions[0].views_seen, frame == 0 ? 1 : 2);
-    EXPECT_EQ(map.regions[0].confirmed, frame >= 15) << frame;
+    EXPECT_EQ(map.regions[0].confirmed, frame >= 8) << frame;
   }
 }
 
@@ -203,7 +203,7 @@ TEST_F(RegionTrackerTest, NoiseThatSticksToTheCamerasPixelsIsNotConfirmedByMotio
     paint({200, 200, 30, 25}, Label::closer, -0.1F);
     int longest = 0;
     for (int frame = 0; frame < 100; ++frame) {
-      const double step = 5.0 * frame / camera_.fx;
+      const double step = 4.0 * frame / camera_.fx;
       T_camera_world_ = turns ? Pose{Eigen::AngleAxisd{step, Eigen::Vector3d::UnitY()}} : at(1.9 * step, 0, 0);
       const auto map = update();
       ASSERT_EQ(map.regions.size(), 1U);
@@ -211,13 +211,13 @@ TEST_F(RegionTrackerTest, NoiseThatSticksToTheCamerasPixelsIsNotConfirmedByMotio
       ASSERT_FALSE(map.regions[0].confirmed) << "turns " << turns << ", frame " << frame;
     }
     // It was taken for the same region long enough to be confirmed, had it counted frames.
-    EXPECT_GT(longest, 15);
+    EXPECT_GT(longest, 8);
   }
 }
 
 TEST_F(RegionTrackerTest, ConfirmedRegionComesBackUnderItsId) {
   paint({200, 200, 60, 50}, Label::closer, -0.5F);
-  for (int i = 0; i < 15; ++i) update();
+  for (int i = 0; i < 8; ++i) update();
   clear();
   for (int i = 0; i < 50; ++i) EXPECT_TRUE(update().regions.empty());
   paint({200, 200, 60, 50}, Label::closer, -0.5F);
