@@ -19,6 +19,8 @@ constexpr double kLeastOverlap = 0.2;
 constexpr int kForgetUnconfirmedAfter = 5;
 // A region's centre shakes with its outline: a large one must be seen to move by this share of its size.
 constexpr double kViewShareOfSize = 0.15;
+// A region that moves along with the camera stays this near to where it should be then, as a share of the way.
+constexpr double kMovedAlong = 0.25;
 
 // The part of an image's area that RegionOptions::min_pixels is meant for.
 double scale_of(const Camera& camera) {
@@ -209,12 +211,14 @@ void RegionTracker::count_view(Region& region, Known& known, const View& view) c
     known.frames_at_rest += view.frames;
     return;
   }
-  if ((region.centre_m - known.centre_world).norm() <= shift_m / 2) {
-    ++region.views_seen;
-  } else {
-    region.views_seen = 1;
-    known.frames_at_rest = view.frames;
+  const bool stays = (region.centre_m - known.centre_world).norm() <= shift_m / 2;
+  const bool moved_along = (region.centre_m - carried_along).norm() <= kMovedAlong * shift_m;
+  if (!stays && !moved_along) {  // another part of it is seen: the next frames will tell
+    known.frames_at_rest += view.frames;
+    return;
   }
+  region.views_seen = stays ? region.views_seen + 1 : 1;
+  if (moved_along) known.frames_at_rest = view.frames;
   known.T_camera_world = view.T_camera_world;
   known.centre_world = region.centre_m;
 }
