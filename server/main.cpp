@@ -9,6 +9,7 @@ int main(int argc, char** argv) {
   meshloop::add_detect_command(app, action);
   meshloop::add_adjust_command(app, action);
   meshloop::add_track_command(app, action);
+  meshloop::add_calibrate_command(app, action);
   meshloop::add_scene_command(app, action);
   meshloop::add_simulate_command(app, action);
   meshloop::add_doctor_command(app, action);

@@ -32,7 +32,8 @@ MESHLOOP_RULE bool needs_neighbourhood(float measured_m, float expected_m, float
 }
 
 // nearest_m and farthest_m: the least and the greatest expected depth within the reach of the lateral uncertainty, the
-// pixel itself included; both 0 where no surface is expected there. has_gap: some pixel in reach expects no surface.
+// pixel itself and other surfaces than its own included (the threshold covers its own slope); both 0 where
+// no surface is expected there. has_gap: some pixel in reach expects no surface.
 MESHLOOP_RULE uint classify(float measured_m, float expected_m, float threshold_m, float nearest_m, float farthest_m,
                             bool has_gap) {
   if (!(measured_m > 0.0f)) return kUnmeasured;

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "common/change/label.h"
 #include "common/image/image.h"
@@ -30,6 +31,10 @@ struct Comparison {
 
   /// Pixels of each label, in the labels' order.
   [[nodiscard]] std::array<std::size_t, kLabels.size()> counts() const;
+
+  /// The smallest change that can be told at this range, in metres: the median threshold over the pixels that are
+  /// measured and modelled. Nothing when there is no such pixel, or nothing can be told at half of them.
+  [[nodiscard]] std::optional<double> smallest_change_m() const;
 };
 
 }  // namespace meshloop

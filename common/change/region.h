@@ -26,8 +26,11 @@ struct Region {
   Eigen::AlignedBox2i pixel_box;
   /// In the world.
   Eigen::AlignedBox3d world_box;
-  /// In how many frames it has been seen.
+  /// Mean of its points, in the world.
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
+  /// In how many frames it has been seen, and from how many views (RegionOptions says what makes a view new).
   int frames_seen = 0;
+  int views_seen = 0;
   /// Seen often enough to be offered.
   bool confirmed = false;
 };

@@ -7,6 +7,7 @@
 
 #include "common/base/file.h"
 #include "common/recording/recording.h"
+#include "common/recording/rig_uncertainty.h"
 #include "common/recording/yaml_reader.h"
 
 namespace meshloop {
@@ -55,18 +56,6 @@ Result<Pose> parse_pose_map(const YAML::Node& node, const std::string& where) {
   return make_pose(translation, rotation);
 }
 
-Result<SensorModel> parse_sensor(const YAML::Node& node) {
-  if (node.IsMap()) {
-    if (auto ok = check_keys(node, "sensor", {"constant"}); !ok) return fail(ok.error());
-    const auto sigma_m = read_number(node["constant"], "sensor.constant");
-    if (!sigma_m) return fail(sigma_m.error());
-    return SensorModel::constant(*sigma_m);
-  }
-  const auto name = read_string(node, "sensor");
-  if (!name) return fail(name.error());
-  return SensorModel::from_name(*name);
-}
-
 bool same_camera(const Camera& a, const Camera& b) {
   return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy &&
          a.distortion == b.distortion;
@@ -81,11 +70,15 @@ Status check_rig(const Rig& rig) {
   if (!rig.T_depth_color.isApprox(Pose::Identity(), 1e-9)) {
     return fail("'depth_registered' is true, so 'T_depth_color' must be the identity");
   }
+  if (!rig.covariance.T_depth_color.isZero()) {
+    return fail("'depth_registered' is true, so 'T_depth_color' is exact; leave its covariance out");
+  }
   return {};
 }
 
 Result<Rig> parse_rig(const YAML::Node& root) {
-  if (auto ok = check_keys(root, "", {"color", "depth", "depth_scale", "T_depth_color", "sensor", "depth_registered"});
+  if (auto ok = check_keys(root, "", {"color", "depth", "depth_scale", "T_depth_color", "sensor", "depth_registered"},
+                           {"covariance"});
       !ok) {
     return fail(ok.error());
   }
@@ -101,7 +94,9 @@ Result<Rig> parse_rig(const YAML::Node& root) {
   if (!sensor) return fail(sensor.error());
   const auto registered = read_bool(root["depth_registered"], "depth_registered");
   if (!registered) return fail(registered.error());
-  const Rig rig{*color, *depth, *depth_scale, *T_depth_color, *sensor, *registered};
+  const auto covariance = parse_covariance(root["covariance"]);
+  if (!covariance) return fail(covariance.error());
+  const Rig rig{*color, *depth, *depth_scale, *T_depth_color, *sensor, *registered, *covariance};
   if (auto ok = check_rig(rig); !ok) return fail(ok.error());
   return rig;
 }
@@ -135,12 +130,12 @@ Result<Rig> read_rig(const std::filesystem::path& file) {
 
 Status write_rig(const std::filesystem::path& file, const Rig& rig) {
   if (auto ok = check_rig(rig); !ok) return fail(fmt::format("cannot write '{}'", file.string()), ok.error());
-  const bool constant = rig.sensor.kind() == SensorModel::Kind::constant;
-  const std::string sensor = constant ? fmt::format("{{constant: {}}}", rig.sensor.constant_m()) : rig.sensor.name();
   const std::string text =
       camera_line("color", rig.color) + camera_line("depth", rig.depth) +
       fmt::format("depth_scale: {}  # metres per unit of the 16-bit depth image\n", rig.depth_scale) +
-      pose_line(rig.T_depth_color) + fmt::format("sensor: {}\ndepth_registered: {}\n", sensor, rig.depth_registered);
+      pose_line(rig.T_depth_color) +
+      fmt::format("sensor: {}\ndepth_registered: {}\n", sensor_text(rig.sensor), rig.depth_registered) +
+      covariance_text(rig.covariance);
   return write_text_file(file, text);
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <vector>
 
 #include "common/base/file.h"
 
@@ -42,7 +43,10 @@ Result<YAML::Node> load_yaml_map(const std::filesystem::path& file) {
   }
 }
 
-Status check_keys(const YAML::Node& map, const std::string& where, std::initializer_list<std::string_view> known) {
+Status check_keys(const YAML::Node& map, const std::string& where, std::initializer_list<std::string_view> required,
+                  std::initializer_list<std::string_view> optional) {
+  std::vector<std::string_view> known{required};
+  known.insert(known.end(), optional.begin(), optional.end());
   if (!map.IsMap()) return fail(fmt::format("'{}' must be a map with the keys {}", where, fmt::join(known, ", ")));
   std::set<std::string> seen;
   for (const auto& entry : map) {
@@ -52,7 +56,7 @@ Status check_keys(const YAML::Node& map, const std::string& where, std::initiali
     }
     if (!seen.insert(key).second) return fail(fmt::format("'{}' stands there twice", inside(where, key)));
   }
-  for (const auto key : known) {
+  for (const auto key : required) {
     if (!seen.contains(std::string{key})) return fail(fmt::format("'{}' is missing", inside(where, key)));
   }
   return {};

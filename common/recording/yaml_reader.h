@@ -16,10 +16,11 @@ namespace meshloop {
 /// The file's root, which must be a map. At most 1 MB.
 [[nodiscard]] Result<YAML::Node> load_yaml_map(const std::filesystem::path& file);
 
-/// Refuses keys other than `known`, keys that are missing and keys that stand twice. `where` names the map in messages
-/// and is empty for the root.
+/// Refuses keys other than `required` and `optional`, required ones that are missing and keys that stand twice. `where`
+/// names the map in messages and is empty for the root.
 [[nodiscard]] Status check_keys(const YAML::Node& map, const std::string& where,
-                                std::initializer_list<std::string_view> known);
+                                std::initializer_list<std::string_view> required,
+                                std::initializer_list<std::string_view> optional = {});
 
 [[nodiscard]] Result<double> read_number(const YAML::Node& node, const std::string& key);
 [[nodiscard]] Result<int> read_integer(const YAML::Node& node, const std::string& key);

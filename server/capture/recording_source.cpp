@@ -15,17 +15,18 @@ Result<std::unique_ptr<RecordingSource>> RecordingSource::open(const std::filesy
   if (recording->depth_images().empty()) {
     return fail(fmt::format("the recording '{}' has no depth.txt; the station needs depth images", folder.string()));
   }
-  return std::unique_ptr<RecordingSource>{new RecordingSource{std::move(*recording), options}};
+  return std::unique_ptr<RecordingSource>{new RecordingSource{std::move(*recording), std::move(options)}};
 }
 
 RecordingSource::RecordingSource(Recording recording, Options options)
     : recording_{std::move(recording)},
-      options_{options},
+      options_{std::move(options)},
       rig_{recording_.rig()},
       rectify_color_{rig_.color},
       rectify_depth_{rig_.depth} {
   rig_.color = rig_.color.without_distortion();
   rig_.depth = rig_.depth.without_distortion();
+  if (options_.sensor) rig_.sensor = *options_.sensor;
 }
 
 Result<std::optional<RgbdFrame>> RecordingSource::next() {

@@ -21,21 +21,20 @@ namespace {
 // Locations of the uniforms in shaders/compare.frag.
 enum Uniform : GLint {
   kIntrinsics,
-  kSensorKind,
-  kSensorConstant,
+  kSensorAxial,
+  kSensorShape,
+  kLateral,
   kFixedThreshold,
   kSigmas,
-  kModelSigma,
+  kModelVariance,
   kLargestThreshold,
   kLargestReach,
   kCovarianceTt,
   kCovarianceTr,
-  kCovarianceRr
+  kCovarianceRr,
+  kCovarianceIntrinsics,
+  kIsAveraged
 };
-// The shader's numbers of the sensors.
-static_assert(static_cast<int>(SensorModel::Kind::kinect1) == 0 &&
-              static_cast<int>(SensorModel::Kind::kinect1_khoshelham) == 1 &&
-              static_cast<int>(SensorModel::Kind::tof) == 2 && static_cast<int>(SensorModel::Kind::constant) == 3);
 
 // What the shader writes for one pixel.
 struct PackedPixel {
@@ -50,6 +49,7 @@ struct Targets {
   int width;
   int height;
   Texture measured;
+  Texture frames_averaged;
   Texture result;
   Framebuffer framebuffer;
 
@@ -57,6 +57,7 @@ struct Targets {
       : width{wide},
         height{high},
         measured{make_texture(GL_R32F, wide, high)},
+        frames_averaged{make_texture(GL_R8UI, wide, high)},
         result{make_texture(GL_RGBA32UI, wide, high)} {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, result.name(), 0);
@@ -77,23 +78,35 @@ void set_matrix(Uniform location, const Eigen::Matrix3d& matrix) {
   glUniformMatrix3fv(location, 1, GL_FALSE, values.data());
 }
 
+void set_sensor(const SensorNoise& noise) {
+  const Eigen::Vector3f axial = noise.axial.cast<float>();
+  glUniform3f(kSensorAxial, axial[0], axial[1], axial[2]);
+  glUniform4f(kSensorShape, static_cast<float>(noise.nearest_m), static_cast<float>(noise.farthest_m),
+              noise.grows_at_grazing ? 1.0F : 0.0F, static_cast<float>(noise.step_per_m));
+  glUniform3f(kLateral, static_cast<float>(noise.lateral_px), static_cast<float>(noise.lateral_growth_px),
+              static_cast<float>(kFootprintSigma_px));
+}
+
 void set_uniforms(const CompareInput& input) {
   const Camera& camera = input.camera;
   const bool is_fixed = input.threshold.kind == Threshold::Kind::fixed;
   const auto value = static_cast<float>(input.threshold.value);
   glUniform4f(kIntrinsics, static_cast<float>(camera.fx), static_cast<float>(camera.fy), static_cast<float>(camera.cx),
               static_cast<float>(camera.cy));
-  glUniform1i(kSensorKind, input.sensor.shader_kind());
-  glUniform1f(kSensorConstant, static_cast<float>(input.sensor.constant_m()));
+  set_sensor(input.sensor.noise());
   glUniform1f(kFixedThreshold, is_fixed ? value : 0.0F);
   glUniform1f(kSigmas, value);
-  glUniform1f(kModelSigma, static_cast<float>(kModelSigma_m));
+  glUniform1f(kModelVariance,
+              static_cast<float>(input.model_sigma_m * input.model_sigma_m + kLatticeSigma_m * kLatticeSigma_m));
   glUniform1f(kLargestThreshold, static_cast<float>(kLargestThreshold_m));
   glUniform1i(kLargestReach, kLargestReach_px);
   const PoseCovariance covariance = 0.5 * (input.pose.covariance + input.pose.covariance.transpose());
   set_matrix(kCovarianceTt, covariance.topLeftCorner<3, 3>());
   set_matrix(kCovarianceTr, covariance.topRightCorner<3, 3>());
   set_matrix(kCovarianceRr, covariance.bottomRightCorner<3, 3>());
+  const Eigen::Matrix4f intrinsics = input.intrinsics_covariance.cast<float>();
+  glUniformMatrix4fv(kCovarianceIntrinsics, 1, GL_FALSE, intrinsics.data());
+  glUniform1i(kIsAveraged, input.frames_averaged != nullptr ? 1 : 0);
 }
 
 void bind_texture(GLuint unit, GLuint texture) {
@@ -134,7 +147,7 @@ class GlComparator final : public Comparator {
   Result<Comparison> compare(const CompareInput& input, CompareTimes* times) override;
 
  private:
-  void upload(const DepthImage& measured);
+  void upload(const DepthImage& measured, const Image<std::uint8_t>* frames_averaged);
   void draw(const CompareInput& input);
   [[nodiscard]] Image<PackedPixel> read_back() const;
 
@@ -145,7 +158,7 @@ class GlComparator final : public Comparator {
   VertexArray no_vertices_;
 };
 
-void GlComparator::upload(const DepthImage& measured) {
+void GlComparator::upload(const DepthImage& measured, const Image<std::uint8_t>* frames_averaged) {
   if (measured.width() != targets_.width || measured.height() != targets_.height) {
     targets_ = Targets(measured.width(), measured.height());
   }
@@ -153,6 +166,11 @@ void GlComparator::upload(const DepthImage& measured) {
   glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, measured.width(), measured.height(), GL_RED, GL_FLOAT, measured.data());
+  if (frames_averaged == nullptr) return;
+  bind_texture(3, targets_.frames_averaged.name());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, measured.width(), measured.height(), GL_RED_INTEGER, GL_UNSIGNED_BYTE,
+                  frames_averaged->data());
 }
 
 // The renderer, which has just drawn, left blending, culling and scissors off.
@@ -160,6 +178,7 @@ void GlComparator::draw(const CompareInput& input) {
   glBindFramebuffer(GL_FRAMEBUFFER, targets_.framebuffer.name());
   glViewport(0, 0, targets_.width, targets_.height);
   glDisable(GL_DEPTH_TEST);
+  bind_texture(3, targets_.frames_averaged.name());
   bind_texture(2, renderer_->node_texture());
   bind_texture(1, renderer_->depth_texture());
   bind_texture(0, targets_.measured.name());
@@ -192,7 +211,7 @@ Result<Comparison> GlComparator::compare(const CompareInput& input, CompareTimes
   };
   DepthImage measured = *input.measured;
   for (float& z : measured.pixels()) z = usable_depth(z);
-  upload(measured);
+  upload(measured, input.frames_averaged);
   lap(&CompareTimes::upload_ms);
   SceneView view;
   view.camera = input.camera;

@@ -17,10 +17,16 @@ struct CompareInput {
   /// Pinhole intrinsics of the depth camera.
   Camera camera;
   SensorModel sensor;
+  /// Of (fx, fy, cx, cy), in pixels^2.
+  Eigen::Matrix4d intrinsics_covariance = Eigen::Matrix4d::Zero();
   /// T_depth_world with its covariance.
   TrackedPose pose;
   /// Measured depth in metres, 0 where there is none, in the camera's size.
   const DepthImage* measured = nullptr;
+  /// Of how many measurements each pixel of `measured` is the mean; null: of one. In the camera's size.
+  const Image<std::uint8_t>* frames_averaged = nullptr;
+  /// How far the model may be from the real surface, one sigma, in metres; its lattice comes on top.
+  double model_sigma_m = 0;
   Threshold threshold;
   /// The drawn model may lie beside the true one by this share of the sensor's sigma at the depth, as root mean square
   /// (README.md, "Levels of detail"). 0: every triangle is drawn.
@@ -42,7 +48,8 @@ class Comparator {
  public:
   [[nodiscard]] static Result<std::unique_ptr<Comparator>> create(GpuContext& context);
   virtual ~Comparator() = default;
-  /// Refuses a measured image of another size than the camera's, a pose that is lost or not rigid.
+  /// Refuses images of another size than the camera's, a pose that is lost or not rigid, and uncertainties that are not
+  /// numbers.
   [[nodiscard]] virtual Result<Comparison> compare(const CompareInput& input, CompareTimes* times) = 0;
 };
 

@@ -19,6 +19,16 @@ Status validate(const CompareInput& input) {
     return fail("the pose of this frame is lost; compare a frame that is tracked");
   if (!is_rigid(input.pose.T_camera_world)) return fail("the pose of this frame is not a rotation and a translation");
   if (!input.pose.covariance.allFinite()) return fail("the covariance of the pose holds values that are not numbers");
+  if (!input.intrinsics_covariance.allFinite()) {
+    return fail("the covariance of the depth intrinsics holds values that are not numbers");
+  }
+  if (!(input.model_sigma_m >= 0 && input.model_sigma_m < 1)) {
+    return fail("the model's tolerance must be at least 0 and below 1 m");
+  }
+  if (input.frames_averaged != nullptr &&
+      (input.frames_averaged->width() != measured.width() || input.frames_averaged->height() != measured.height())) {
+    return fail("the counts of averaged frames must be as large as the depth image");
+  }
   if (!(std::isfinite(input.threshold.value) && input.threshold.value > 0)) {
     return fail("the threshold must be above 0: metres, or multiples of sigma");
   }

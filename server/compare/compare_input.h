@@ -5,7 +5,9 @@
 namespace meshloop {
 
 /// Rounding of the model's vertices to the scene's lattice (common/mesh/lattice.h), at most this far along an axis.
-inline constexpr double kModelSigma_m = 0.00012;
+inline constexpr double kLatticeSigma_m = 0.00012;
+/// A pixel measures over its whole area, as wide as one pixel: the least lateral sigma of any sensor.
+inline constexpr double kFootprintSigma_px = 0.288675;  // 1 / sqrt(12)
 /// Nothing can be told where the threshold is larger (Threshold::Kind::k_sigma only).
 inline constexpr double kLargestThreshold_m = 0.25;
 /// Nor where the surface is seen at a steeper angle from its normal.

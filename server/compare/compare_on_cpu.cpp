@@ -16,16 +16,28 @@ struct Neighbourhood {
   bool has_gap = false;
 };
 
-Neighbourhood look_around(const DepthImage& expected, int u, int v, int reach) {
-  Neighbourhood found;
+// The surface that is expected at the pixel itself, seen at a neighbour.
+bool continues(double inverse_depth, double z_m, double threshold_m) {
+  return inverse_depth > 0 && std::abs(z_m * inverse_depth - 1) <= threshold_m * inverse_depth;
+}
+
+Neighbourhood look_around(const DepthImage& expected, int u, int v, const PixelUncertainty& uncertainty) {
+  const float here = expected(u, v);
+  const bool is_modelled = here > 0;
+  const int reach = uncertainty.reach_px;
+  Neighbourhood found{here, here, !is_modelled};
   for (int y = std::max(v - reach, 0); y <= std::min(v + reach, expected.height() - 1); ++y) {
     for (int x = std::max(u - reach, 0); x <= std::min(u + reach, expected.width() - 1); ++x) {
       const float z = expected(x, y);
-      if (z > 0) {
+      if (!(z > 0)) {
+        found.has_gap = true;
+        continue;
+      }
+      const double inverse_depth =
+          1 / static_cast<double>(here) + uncertainty.inverse_depth_slope.dot(Eigen::Vector2d(x - u, y - v));
+      if (!is_modelled || !continues(inverse_depth, static_cast<double>(z), uncertainty.threshold_m)) {
         found.nearest_m = found.nearest_m > 0 ? std::min(found.nearest_m, z) : z;
         found.farthest_m = std::max(found.farthest_m, z);
-      } else {
-        found.has_gap = true;
       }
     }
   }
@@ -47,9 +59,9 @@ Comparison compare_on_cpu(const CompareInput& input, const DepthImage& expected,
       const float measured_m = usable_depth((*input.measured)(u, v));
       if (measured_m <= 0) continue;
       const float expected_m = expected(u, v);
-      const auto [threshold, reach] = pixel_uncertainty(input, expected, u, v, static_cast<double>(measured_m));
-      const auto threshold_m = static_cast<float>(threshold);
-      const auto [nearest, farthest, has_gap] = look_around(expected, u, v, reach);
+      const auto uncertainty = pixel_uncertainty(input, expected, u, v, static_cast<double>(measured_m));
+      const auto threshold_m = static_cast<float>(uncertainty.threshold_m);
+      const auto [nearest, farthest, has_gap] = look_around(expected, u, v, uncertainty);
       result.labels(u, v) =
           static_cast<Label>(rule::classify(measured_m, expected_m, threshold_m, nearest, farthest, has_gap));
       if (expected_m > 0) result.difference_m(u, v) = measured_m - expected_m;

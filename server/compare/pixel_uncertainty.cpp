@@ -24,15 +24,8 @@ double flatter_slope(double before_m, double here_m, double after_m) {
   return std::abs(forward) < std::abs(backward) ? forward : backward;
 }
 
-double sensor_variance(const SensorModel& sensor, double z_m, double theta) {
-  const double sigma_m = sensor.sigma_z_m(z_m, theta);
-  // The other models' figures were measured with the quantisation in them.
-  const double step_m = sensor.kind() == SensorModel::Kind::kinect1 ? sensor.quantisation_m(z_m) : 0.0;
-  return sigma_m * sigma_m + step_m * step_m / 12;
-}
-
-template <class Jacobian>
-double largest_variance(const Jacobian& J, const PoseCovariance& covariance) {
+template <class Jacobian, class Covariance>
+double largest_variance(const Jacobian& J, const Covariance& covariance) {
   return std::max(0.0, (J * covariance * J.transpose()).diagonal().maxCoeff());
 }
 
@@ -53,6 +46,20 @@ Eigen::Matrix<double, 1, 6> depth_by_twist(const Eigen::Vector3d& plane, const E
   return p_camera.z() * J;
 }
 
+Eigen::RowVector4d depth_by_intrinsics(const Camera& camera, const Eigen::Vector3d& plane,
+                                       const Eigen::Vector3d& p_camera) {
+  const double z = p_camera.z();
+  const double by_cx = z * z * plane.x() / camera.fx;
+  const double by_cy = z * z * plane.y() / camera.fy;
+  return {by_cx * p_camera.x() / z, by_cy * p_camera.y() / z, by_cx, by_cy};
+}
+
+Eigen::Matrix<double, 2, 4> pixel_by_intrinsics(const Eigen::Vector3d& p_camera) {
+  Eigen::Matrix<double, 2, 4> J;
+  J << p_camera.x() / p_camera.z(), 0, 1, 0, 0, p_camera.y() / p_camera.z(), 0, 1;
+  return J;
+}
+
 Eigen::Matrix<double, 2, 6> pixel_by_twist(const Camera& camera, const Eigen::Vector3d& p_camera) {
   const Eigen::Vector3d ray = p_camera / p_camera.z();
   const Eigen::Vector3d a_u = camera.fx / p_camera.z() * Eigen::Vector3d{1, 0, -ray.x()};
@@ -71,7 +78,7 @@ double viewing_angle(const Eigen::Vector3d& plane, const Eigen::Vector3d& p_came
 PixelUncertainty pixel_uncertainty(const CompareInput& input, const DepthImage& expected, int u, int v,
                                    double measured_m) {
   const double k = input.threshold.value;
-  if (input.threshold.kind == Threshold::Kind::fixed) return {k, 0};
+  if (input.threshold.kind == Threshold::Kind::fixed) return {k, 0, {0, 0}};
   const Camera& camera = input.camera;
   const double expected_m = depth_or_nothing(expected, u, v);
   const bool is_modelled = expected_m > 0;
@@ -79,18 +86,27 @@ PixelUncertainty pixel_uncertainty(const CompareInput& input, const DepthImage& 
   // Where no surface is expected, one that faces the camera stands in.
   const Eigen::Vector3d plane = is_modelled ? expected_plane(expected, camera, u, v) : p / p.squaredNorm();
   const double theta = viewing_angle(plane, p);
-  if (theta > kSteepestSeen_deg * std::numbers::pi / 180) return {rule::kNoThreshold_m, 0};
+  if (theta > kSteepestSeen_deg * std::numbers::pi / 180) return {rule::kNoThreshold_m, 0, {0, 0}};
 
-  const PoseCovariance& covariance = input.pose.covariance;
-  const double variance = sensor_variance(input.sensor, std::max(expected_m, measured_m), theta) +
-                          largest_variance(depth_by_twist(plane, p), covariance) + kModelSigma_m * kModelSigma_m;
-  const double threshold_m = k * std::sqrt(variance);
-  if (threshold_m > kLargestThreshold_m) return {rule::kNoThreshold_m, 0};
-
+  const int frames = input.frames_averaged == nullptr ? 1 : (*input.frames_averaged)(u, v);
+  const Eigen::Vector2d slope =
+      is_modelled ? Eigen::Vector2d{plane.x() / camera.fx, plane.y() / camera.fy} : Eigen::Vector2d::Zero();
   const double lateral_px = input.sensor.sigma_lateral_px(theta);
-  const double pose_px2 = largest_variance(pixel_by_twist(camera, p), covariance);
-  const double reach = std::floor(k * std::sqrt(lateral_px * lateral_px + pose_px2) + 0.5);
-  return {threshold_m, static_cast<int>(std::min<double>(reach, kLargestReach_px))};
+  // Depth changes by -z^2 times the change of inverse depth.
+  const double lateral_m = lateral_px * expected_m * expected_m * slope.norm();
+  const double variance = input.sensor.variance_m2(std::max(expected_m, measured_m), theta, frames) +
+                          lateral_m * lateral_m + largest_variance(depth_by_twist(plane, p), input.pose.covariance) +
+                          largest_variance(depth_by_intrinsics(camera, plane, p), input.intrinsics_covariance) +
+                          input.model_sigma_m * input.model_sigma_m + kLatticeSigma_m * kLatticeSigma_m;
+  const double threshold_m = k * std::sqrt(variance);
+  if (threshold_m > kLargestThreshold_m) return {rule::kNoThreshold_m, 0, {0, 0}};
+
+  const double footprint_px = std::max(lateral_px, kFootprintSigma_px);
+  const double variance_px2 = footprint_px * footprint_px +
+                              largest_variance(pixel_by_twist(camera, p), input.pose.covariance) +
+                              largest_variance(pixel_by_intrinsics(p), input.intrinsics_covariance);
+  const double reach = std::floor(k * std::sqrt(variance_px2) + 0.5);
+  return {threshold_m, static_cast<int>(std::min<double>(reach, kLargestReach_px)), slope};
 }
 
 }  // namespace meshloop

@@ -15,6 +15,14 @@ namespace meshloop {
 /// z [N, p x N], with p = z ray.
 [[nodiscard]] Eigen::Matrix<double, 1, 6> depth_by_twist(const Eigen::Vector3d& plane, const Eigen::Vector3d& p_camera);
 
+/// Derivative of the expected depth behind a fixed pixel by the camera's (fx, fy, cx, cy). The ray through the pixel
+/// turns: dz/dray = -z^2 N, dray_x/dfx = -ray_x / fx, dray_x/dcx = -1 / fx.
+[[nodiscard]] Eigen::RowVector4d depth_by_intrinsics(const Camera& camera, const Eigen::Vector3d& plane,
+                                                     const Eigen::Vector3d& p_camera);
+
+/// Derivative of a point's pixel by (fx, fy, cx, cy).
+[[nodiscard]] Eigen::Matrix<double, 2, 4> pixel_by_intrinsics(const Eigen::Vector3d& p_camera);
+
 /// Derivative of a point's pixel by the same twist.
 [[nodiscard]] Eigen::Matrix<double, 2, 6> pixel_by_twist(const Camera& camera, const Eigen::Vector3d& p_camera);
 
@@ -26,6 +34,8 @@ struct PixelUncertainty {
   double threshold_m = 0;
   /// How far to each side a surface may lie that was measured here.
   int reach_px = 0;
+  /// Change of the expected surface's inverse depth from one pixel to the next; 0 where none is expected.
+  Eigen::Vector2d inverse_depth_slope = Eigen::Vector2d::Zero();
 };
 
 /// At pixel (u, v), where `measured_m` is above 0. `expected` is the image of expected depth.

@@ -17,6 +17,10 @@ constexpr double kBoxMargin_m = 0.02;
 // Of the smaller box; less is another piece of the world.
 constexpr double kLeastOverlap = 0.2;
 constexpr int kForgetUnconfirmedAfter = 5;
+// A region's centre shakes with its outline: a large one must be seen to move by this share of its size.
+constexpr double kViewShareOfSize = 0.15;
+// A region that moves along with the camera stays this near to where it should be then, as a share of the way.
+constexpr double kMovedAlong = 0.25;
 
 // The part of an image's area that RegionOptions::min_pixels is meant for.
 double scale_of(const Camera& camera) {
@@ -46,7 +50,9 @@ void add_pixel(Sums& sums, const PixelChange& pixel, const Camera& camera, const
   ++region.pixels;
   region.area_m2 += pixel.depth_m * pixel.depth_m / (camera.fx * camera.fy);
   region.pixel_box.extend(Eigen::Vector2i(pixel.u, pixel.v));
-  region.world_box.extend(T_world_camera * camera.back_project(pixel.u, pixel.v, pixel.depth_m));
+  const Eigen::Vector3d p_world = T_world_camera * camera.back_project(pixel.u, pixel.v, pixel.depth_m);
+  region.world_box.extend(p_world);
+  region.centre_m += p_world;
   if (!std::isfinite(pixel.difference_m)) {  // nothing was expected there
     sums.significance += kUnmodelledSignificance;
     return;
@@ -61,6 +67,7 @@ Region finish(Sums& sums) {
   Region& region = sums.region;
   if (sums.pixels_with_difference > 0) region.mean_difference_m = sums.difference_m / sums.pixels_with_difference;
   region.significance = sums.significance / std::max(region.pixels, 1);
+  region.centre_m /= std::max(region.pixels, 1);
   return region;
 }
 
@@ -99,6 +106,11 @@ double overlap(const Region& a, const Region& b) {
   return volume(wide_a.intersection(wide_b)) / std::min(volume(wide_a), volume(wide_b));
 }
 
+bool is_cut(const Region& region, const Camera& camera) {
+  const Eigen::AlignedBox2i& box = region.pixel_box;
+  return box.min().minCoeff() <= 1 || box.max().x() >= camera.width - 2 || box.max().y() >= camera.height - 2;
+}
+
 struct Match {
   // Among regions that lie in each other, the one of the same size is meant.
   double score;
@@ -123,7 +135,7 @@ bool same_size(const Comparison& comparison, const DepthImage& measured) {
 }  // namespace
 
 RegionMap RegionTracker::update(const Comparison& comparison, const DepthImage& measured, const Camera& camera,
-                                const Pose& T_camera_world) {
+                                const Pose& T_camera_world, int frames) {
   if (!same_size(comparison, measured)) return {};
   const Components components = connect_changes(comparison.labels);
   const auto all =
@@ -136,7 +148,7 @@ RegionMap RegionTracker::update(const Comparison& comparison, const DepthImage& 
     kept.push_back(all[i]);
     kept_at[i + 1] = kept.size();
   }
-  recognise(kept);
+  recognise(kept, {camera, T_camera_world, frames});
   forget();
 
   RegionMap map{Image<RegionId>(measured.width(), measured.height()), {}};
@@ -150,7 +162,7 @@ RegionMap RegionTracker::update(const Comparison& comparison, const DepthImage& 
 }
 
 // The best pairs first; each known region is found again at most once.
-void RegionTracker::recognise(std::vector<Region>& regions) {
+void RegionTracker::recognise(std::vector<Region>& regions, const View& view) {
   for (auto& known : known_) ++known.frames_unseen;
   std::vector<Match> matches;
   for (std::size_t r = 0; r < regions.size(); ++r) {
@@ -168,20 +180,47 @@ void RegionTracker::recognise(std::vector<Region>& regions) {
     if (region.id != 0 || known.frames_unseen == 0) continue;
     region.id = known.region.id;
     region.frames_seen = known.region.frames_seen;
+    region.views_seen = known.region.views_seen;
+    count_view(region, known, view);
     known.frames_unseen = 0;
   }
   for (auto& region : regions) {
-    const bool is_new = region.id == 0;
-    if (is_new) region.id = next_id_++;
-    ++region.frames_seen;
-    region.confirmed = region.frames_seen >= options_.confirm_frames;
-    const auto same_id = [&](const Known& known) { return known.region.id == region.id; };
-    if (is_new) {
-      known_.push_back({region, 0});
-    } else {
-      std::find_if(known_.begin(), known_.end(), same_id)->region = region;
+    if (region.id == 0) {
+      region.id = next_id_++;
+      region.views_seen = 1;
+      known_.push_back({region, 0, view.frames, view.T_camera_world, region.centre_m});
     }
+    Known& known =
+        *std::find_if(known_.begin(), known_.end(), [&](const Known& k) { return k.region.id == region.id; });
+    region.frames_seen += view.frames;
+    region.confirmed = known.region.confirmed || region.views_seen >= options_.confirm_views ||
+                       known.frames_at_rest >= options_.confirm_frames_at_rest;
+    known.region = region;
   }
+}
+
+// What sticks to the camera moves through the world with it; what is in the world does not. The centre of a region that
+// is cut by the picture's border moves either way, and tells nothing.
+void RegionTracker::count_view(Region& region, Known& known, const View& view) const {
+  const Eigen::Vector3d centre_camera = known.T_camera_world * known.centre_world;
+  const Eigen::Vector3d carried_along = view.T_camera_world.inverse() * centre_camera;
+  const double shift_m = (carried_along - known.centre_world).norm();
+  const double needed_px = std::max(options_.new_view_px * view.camera.width / 640.0,
+                                    kViewShareOfSize * std::sqrt(static_cast<double>(region.pixels)));
+  if (shift_m < needed_px * centre_camera.z() / view.camera.fx || is_cut(region, view.camera)) {
+    known.frames_at_rest += view.frames;
+    return;
+  }
+  const bool stays = (region.centre_m - known.centre_world).norm() <= shift_m / 2;
+  const bool moved_along = (region.centre_m - carried_along).norm() <= kMovedAlong * shift_m;
+  if (!stays && !moved_along) {  // another part of it is seen: the next frames will tell
+    known.frames_at_rest += view.frames;
+    return;
+  }
+  region.views_seen = stays ? region.views_seen + 1 : 1;
+  if (moved_along) known.frames_at_rest = view.frames;
+  known.T_camera_world = view.T_camera_world;
+  known.centre_world = region.centre_m;
 }
 
 void RegionTracker::forget() {

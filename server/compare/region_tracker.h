@@ -13,8 +13,16 @@ struct RegionOptions {
   int min_pixels = 60;
   /// And this large in the world.
   double min_area_m2 = 1e-4;
-  /// Seen in this many frames before it is offered.
-  int confirm_frames = 3;
+  /// Seen from this many views before it is offered. A view is new when the camera moved so far since the last one that
+  /// an error which sticks to the camera's pixels would lie elsewhere in the world by now, by new_view_px at least
+  /// (more for large regions), and the region's centre has not moved along.
+  int confirm_views = 3;
+  /// In pixels at 640x480; scaled with the image's width.
+  double new_view_px = 8;
+  /// A camera that rests gives no new views, and a region that the picture's border cuts shows none; then it takes this
+  /// many frames. A region that moves along with the camera
+  /// begins again.
+  int confirm_frames_at_rest = 8;
   /// How many sigma the comparison's thresholds stand for; a region's significance follows from it.
   double sigmas_per_threshold = 3;
   /// A region that was not seen for this many frames is forgotten: 5 when it was never confirmed.
@@ -31,8 +39,9 @@ class RegionTracker {
   explicit RegionTracker(const RegionOptions& options) : options_{options} {}
   /// Frames in the order of time. T_camera_world and camera are the depth camera's. All images have one size; when they
   /// do not, the map is empty.
+  /// `frames`: of how many the comparison's depth is the mean.
   RegionMap update(const Comparison& comparison, const DepthImage& measured, const Camera& camera,
-                   const Pose& T_camera_world);
+                   const Pose& T_camera_world, int frames = 1);
   /// Forgets all (after the model changed, the regions are other ones). Ids go on from where they were.
   void reset();
 
@@ -40,8 +49,19 @@ class RegionTracker {
   struct Known {
     Region region;
     int frames_unseen = 0;
+    int frames_at_rest = 0;
+    /// Of the last view that counted.
+    Pose T_camera_world;
+    Eigen::Vector3d centre_world;
   };
-  void recognise(std::vector<Region>& regions);
+  /// Where the camera is, and how many frames the sight of it stands for.
+  struct View {
+    Camera camera;
+    Pose T_camera_world;
+    int frames = 1;
+  };
+  void recognise(std::vector<Region>& regions, const View& view);
+  void count_view(Region& region, Known& known, const View& view) const;
   void forget();
 
   RegionOptions options_;

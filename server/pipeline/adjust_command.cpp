@@ -20,7 +20,7 @@ struct AdjustArguments {
   std::string scene;
   RecordingArguments recording;
   std::string frames;
-  std::string threshold = "3sigma";
+  ThresholdArguments threshold;
   std::string accept;
   bool json = false;
 };
@@ -123,17 +123,16 @@ void report(const AdjustArguments& arguments, const AdjustRun& run, const Model&
 Status adjust(const AdjustArguments& arguments) {
   auto run = make_run(arguments);
   if (!run) return fail(run.error());
-  const auto threshold = parse_threshold(arguments.threshold);
-  if (!threshold) return fail(threshold.error());
+  auto options = arguments.threshold.examiner_options();
+  if (!options) return fail(options.error());
   auto store = SceneStore::open(arguments.scene, false);
   if (!store) return fail(store.error());
   auto frames = arguments.recording.open();
   if (!frames) return fail(frames.error());
   auto gpu = GpuContext::create_headless();
   if (!gpu) return fail(gpu.error());
-  ExaminerOptions options = ExaminerOptions::of(*threshold);
-  options.regions.confirm_frames = 1;
-  auto examiner = Examiner::create(**gpu, frames->rig(), options);
+  options->regions.confirm_views = 1;
+  auto examiner = Examiner::create(**gpu, frames->rig(), *options);
   if (!examiner) return fail(examiner.error());
 
   int read = 0;
@@ -161,7 +160,7 @@ void add_adjust_command(CLI::App& app, Action& action) {
   arguments->recording.add_to(*command, true);
   command->add_option("--frames", arguments->frames, "frames to take as snapshots, from 0, such as 0,5,10-20")
       ->required();
-  command->add_option("--threshold", arguments->threshold, kThresholdHelp)->capture_default_str();
+  arguments->threshold.add_to(*command);
   command->add_option("--accept", arguments->accept,
                       "all, or ids of proposals (1,3); nothing is accepted if not given");
   command->add_flag("--json", arguments->json, "proposals and revisions as JSON on stdout");

@@ -7,6 +7,7 @@ namespace meshloop {
 void add_run_command(CLI::App& app, Action& action);
 void add_detect_command(CLI::App& app, Action& action);
 void add_adjust_command(CLI::App& app, Action& action);
+void add_calibrate_command(CLI::App& app, Action& action);
 void add_track_command(CLI::App& app, Action& action);
 void add_scene_command(CLI::App& app, Action& action);
 void add_simulate_command(CLI::App& app, Action& action);

@@ -14,6 +14,7 @@
 #include "server/pipeline/commands.h"
 #include "server/pipeline/examiner.h"
 #include "server/pipeline/options.h"
+#include "server/pipeline/region_pictures.h"
 #include "server/pipeline/result_json.h"
 #include "server/show/overlay.h"
 
@@ -26,7 +27,8 @@ struct DetectArguments {
   std::string model;
   RecordingArguments recording;
   std::string frames;
-  std::string threshold = "3sigma";
+  ThresholdArguments threshold;
+  int average = 1;
   std::string out;
   std::string truth;
   std::string palette = "paper";
@@ -35,8 +37,11 @@ struct DetectArguments {
 
 struct DetectRun {
   DetectArguments arguments;
-  Threshold threshold;
   std::vector<int> frames;  // empty: all
+  RegionPictures pictures;
+  /// With --average: the frames that are collected, and the first of them.
+  std::optional<FrameAverage> average;
+  std::optional<TrackedFrame> first_of_average;
   std::optional<LabelScore> score;
   nlohmann::json results = nlohmann::json::array();
   std::vector<double> total_ms;
@@ -53,13 +58,17 @@ GreyImage label_numbers(const Image<Label>& labels) {
   return numbers;
 }
 
-Status write_pictures(const DetectRun& run, const TrackedFrame& tracked, const Examination& examination,
-                      const Rig& rig) {
+Palette palette_of(const DetectArguments& arguments) {
+  return arguments.palette == "safe" ? Palette::color_blind_safe : Palette::paper;
+}
+
+Status write_pictures(DetectRun& run, const TrackedFrame& tracked, const Examination& examination, const Rig& rig) {
   const fs::path out = run.arguments.out;
   const int index = tracked.frame.index;
   OverlayOptions options;
-  options.palette = run.arguments.palette == "safe" ? Palette::color_blind_safe : Palette::paper;
-  options.title = fmt::format("frame {}, threshold {}", index, run.arguments.threshold);
+  options.palette = palette_of(run.arguments);
+  options.title = fmt::format("frame {}, threshold {}, {}", index, run.arguments.threshold.threshold,
+                              smallest_change_text(examination));
   const auto& comparison = examination.comparison;
   const auto on_color =
       overlay_on_color(comparison, tracked.frame.depth, tracked.frame.color, rig, &examination.regions, options);
@@ -70,7 +79,7 @@ Status write_pictures(const DetectRun& run, const TrackedFrame& tracked, const E
                              write_png(out / numbered("overlay_depth", index, "png"), on_depth)}) {
     if (!done) return done;
   }
-  return {};
+  return run.pictures.update(tracked, examination, rig, false);
 }
 
 Result<DepthTruth> read_truth(const fs::path& folder, int frame) {
@@ -97,24 +106,29 @@ Status score_frame(DetectRun& run, const TrackedFrame& tracked, const Examinatio
   return {};
 }
 
-Status detect_frame(DetectRun& run, const TrackedFrame& tracked, const Model& model, const Rig& rig,
-                    Examiner& examiner) {
+Status detect_frame(DetectRun& run, const TrackedFrame& tracked, const Model& model, const Rig& rig, Examiner& examiner,
+                    const AveragedDepth* average = nullptr) {
   nlohmann::json result{{"index", tracked.frame.index}, {"timestamp", tracked.frame.depth_timestamp_s}};
   if (tracked.depth_pose.state == TrackState::lost) {
     result["state"] = "lost";
     run.results.push_back(std::move(result));
     return {};
   }
-  auto examination = examiner.examine(tracked, model);
+  auto examination = examiner.examine(tracked, model, average);
   if (!examination) return fail(fmt::format("frame {}", tracked.frame.index), examination.error());
   if (auto done = score_frame(run, tracked, *examination); !done) return done;
   if (auto done = write_pictures(run, tracked, *examination, rig); !done) return done;
   run.total_ms.push_back(examination->total_ms);
   result["state"] = name_of(tracked.depth_pose.state);
+  if (average != nullptr) result["averaged_frames"] = average->count;
+  result["smallest_change_m"] = smallest_change_json(*examination);
   result["counts"] = counts_json(examination->comparison);
   result["time_ms"] = times_json(*examination);
   result["regions"] = nlohmann::json::array();
-  for (const auto& region : examination->regions.regions) result["regions"].push_back(region_json(region));
+  for (const auto& region : examination->regions.regions) {
+    result["regions"].push_back(region_json(region));
+    if (const auto file = run.pictures.file_of(region.id); !file.empty()) result["regions"].back()["picture"] = file;
+  }
   run.results.push_back(std::move(result));
   return {};
 }
@@ -178,26 +192,56 @@ Status check_frames(const DetectRun& run, int frames_read) {
   return {};
 }
 
+// The mean of the frames that were collected, in place of the first one's depth.
+Status detect_average(DetectRun& run, const Model& model, const Rig& rig, Examiner& examiner) {
+  if (!run.first_of_average) return {};
+  const AveragedDepth average = run.average->result();
+  TrackedFrame tracked = std::move(*run.first_of_average);
+  tracked.frame.depth = average.mean;
+  run.average->reset();
+  run.first_of_average.reset();
+  return detect_frame(run, tracked, model, rig, examiner, &average);
+}
+
+Status take_frame(DetectRun& run, TrackedFrame tracked, const Model& model, const Rig& rig, Examiner& examiner) {
+  if (!run.average) return detect_frame(run, tracked, model, rig, examiner);
+  if (auto done = run.average->add(tracked.frame.depth, tracked.depth_pose); !done) {
+    return fail(fmt::format("frame {}", tracked.frame.index), done.error());
+  }
+  if (!run.first_of_average) run.first_of_average = std::move(tracked);
+  return run.average->count() == run.arguments.average ? detect_average(run, model, rig, examiner) : Status{};
+}
+
 Status process(DetectRun& run, const Model& model, TrackedFrames& frames, Examiner& examiner) {
   int read = 0;
   for (;;) {
     auto tracked = frames.next();
     if (!tracked) return fail(tracked.error());
-    if (!*tracked) return check_frames(run, read);
+    if (!*tracked) {
+      if (auto there = check_frames(run, read); !there) return there;
+      break;
+    }
     read = (*tracked)->frame.index + 1;
     const bool wanted = run.frames.empty() || std::binary_search(run.frames.begin(), run.frames.end(), read - 1);
     if (wanted) {
-      if (auto done = detect_frame(run, **tracked, model, frames.rig(), examiner); !done) return done;
+      if (auto done = take_frame(run, std::move(**tracked), model, frames.rig(), examiner); !done) return done;
     }
-    if (!run.frames.empty() && read > run.frames.back()) return {};
+    if (!run.frames.empty() && read > run.frames.back()) break;
   }
+  return detect_average(run, model, frames.rig(), examiner);  // of what is left
 }
 
 Status detect(const DetectArguments& arguments) {
-  DetectRun run;
-  run.arguments = arguments;
-  const auto threshold = parse_threshold(arguments.threshold);
-  if (!threshold) return fail(threshold.error());
+  DetectRun run{.arguments = arguments,
+                .frames = {},
+                .pictures = RegionPictures{arguments.out, palette_of(arguments)},
+                .average = std::nullopt,
+                .first_of_average = std::nullopt,
+                .score = std::nullopt,
+                .results = nlohmann::json::array(),
+                .total_ms = {}};
+  const auto options = arguments.threshold.examiner_options();
+  if (!options) return fail(options.error());
   if (!arguments.frames.empty()) {
     auto list = parse_frame_list(arguments.frames);
     if (!list) return fail(list.error());
@@ -210,10 +254,11 @@ Status detect(const DetectArguments& arguments) {
   std::error_code error;
   fs::create_directories(arguments.out, error);
   if (error) return fail(fmt::format("cannot make the folder '{}': {}", arguments.out, error.message()));
+  if (arguments.average > 1) run.average.emplace(frames->rig().depth, frames->rig().sensor);
   if (!arguments.truth.empty()) run.score.emplace(frames->rig().sensor, 3.0);
   auto gpu = GpuContext::create_headless();
   if (!gpu) return fail(gpu.error());
-  auto examiner = Examiner::create(**gpu, frames->rig(), ExaminerOptions::of(*threshold));
+  auto examiner = Examiner::create(**gpu, frames->rig(), *options);
   if (!examiner) return fail(examiner.error());
   if (auto done = process(run, *model, *frames, *examiner); !done) return done;
   report(run);
@@ -228,8 +273,14 @@ void add_detect_command(CLI::App& app, Action& action) {
   command->add_option("--model", arguments->model, "OBJ, PLY, STL, OFF, glTF or GLB, in metres")->required();
   arguments->recording.add_to(*command, true);
   command->add_option("--frames", arguments->frames, "frames to compare, from 0, such as 0,5,10-20; all if not given");
-  command->add_option("--threshold", arguments->threshold, kThresholdHelp)->capture_default_str();
-  command->add_option("--out", arguments->out, "folder for differences, labels and overlays")->required();
+  arguments->threshold.add_to(*command);
+  command
+      ->add_option("--average", arguments->average,
+                   "compare the mean of this many frames, during which the camera rests")
+      ->check(CLI::Range(1, FrameAverage::kMostFrames))
+      ->capture_default_str();
+  command->add_option("--out", arguments->out, "folder for differences, labels, overlays and a picture of each region")
+      ->required();
   command->add_option("--truth", arguments->truth, "folder of exact depth images (made by simulate): adds a score");
   command->add_option("--palette", arguments->palette, "colours of the overlays")
       ->check(CLI::IsMember({"paper", "safe"}))

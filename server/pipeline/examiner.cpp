@@ -42,35 +42,41 @@ Result<Examiner> Examiner::create(GpuContext& gpu, const Rig& rig, const Examine
   return Examiner{std::move(*comparator), rig, options};
 }
 
-Result<Examination> Examiner::examine(const TrackedFrame& frame, const Model& model) {
-  return examine(frame, model, regions_);
+Result<Examination> Examiner::examine(const TrackedFrame& frame, const Model& model, const AveragedDepth* average) {
+  return examine(frame, model, average, regions_);
 }
 
 Result<Examination> Examiner::examine_behind(const TrackedFrame& frame, const Model& model, const RegionMap& removed) {
   RegionOptions options = options_.regions;
-  options.confirm_frames = 1;
+  options.confirm_views = 1;
   RegionTracker regions{options};
-  auto examination = examine(frame, model, regions);
+  auto examination = examine(frame, model, nullptr, regions);
   if (examination) keep_confirmed_inside(removed, examination->regions);
   return examination;
 }
 
-Result<Examination> Examiner::examine(const TrackedFrame& frame, const Model& model, RegionTracker& regions) {
+Result<Examination> Examiner::examine(const TrackedFrame& frame, const Model& model, const AveragedDepth* average,
+                                      RegionTracker& regions) {
   const Stopwatch total;
   Examination examination;
+  const DepthImage& measured = average != nullptr ? average->mean : frame.frame.depth;
   const CompareInput input{.model = &model,
                            .camera = rig_.depth,
                            .sensor = rig_.sensor,
+                           .intrinsics_covariance = rig_.covariance.depth_intrinsics,
                            .pose = frame.depth_pose,
-                           .measured = &frame.frame.depth,
+                           .measured = &measured,
+                           .frames_averaged = average != nullptr ? &average->frames : nullptr,
+                           .model_sigma_m = options_.model_sigma_m,
                            .threshold = options_.threshold};
   auto comparison = comparator_->compare(input, &examination.times);
   if (!comparison) return fail(comparison.error());
   examination.comparison = std::move(*comparison);
+  examination.smallest_change_m = examination.comparison.smallest_change_m();
 
   const Stopwatch regions_watch;
-  examination.regions =
-      regions.update(examination.comparison, frame.frame.depth, rig_.depth, frame.depth_pose.T_camera_world);
+  examination.regions = regions.update(examination.comparison, measured, rig_.depth, frame.depth_pose.T_camera_world,
+                                       average != nullptr ? average->count : 1);
   settle_labels(examination.comparison, examination.regions);
   examination.regions_ms = regions_watch.milliseconds();
   examination.total_ms = total.milliseconds();

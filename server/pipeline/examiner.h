@@ -1,8 +1,10 @@
 #pragma once
 // One frame against the model: compare and regions, joined.
 #include <memory>
+#include <optional>
 
 #include "server/compare/comparator.h"
+#include "server/compare/frame_average.h"
 #include "server/compare/region_tracker.h"
 #include "server/pipeline/tracked_frames.h"
 
@@ -10,6 +12,8 @@ namespace meshloop {
 
 struct Examination {
   Comparison comparison;
+  /// Comparison::smallest_change_m.
+  std::optional<double> smallest_change_m;
   RegionMap regions;
   CompareTimes times;
   double regions_ms = 0;
@@ -19,10 +23,12 @@ struct Examination {
 struct ExaminerOptions {
   Threshold threshold;
   RegionOptions regions;
+  /// CompareInput::model_sigma_m.
+  double model_sigma_m = 0;
 
   /// The regions' significance counts in the threshold's own sigmas.
   static ExaminerOptions of(const Threshold& threshold) {
-    ExaminerOptions options{threshold, {}};
+    ExaminerOptions options{threshold, {}, 0};
     if (threshold.kind == Threshold::Kind::k_sigma) options.regions.sigmas_per_threshold = threshold.value;
     return options;
   }
@@ -32,8 +38,9 @@ struct ExaminerOptions {
 class Examiner {
  public:
   [[nodiscard]] static Result<Examiner> create(GpuContext& gpu, const Rig& rig, const ExaminerOptions& options);
-  /// Refuses a frame whose depth pose is lost.
-  [[nodiscard]] Result<Examination> examine(const TrackedFrame& frame, const Model& model);
+  /// Refuses a frame whose depth pose is lost. `average` is compared in place of the frame's depth image.
+  [[nodiscard]] Result<Examination> examine(const TrackedFrame& frame, const Model& model,
+                                            const AveragedDepth* average = nullptr);
   /// The same frame again, after a surface was removed from the model where `removed` has a region that was confirmed:
   /// what stands there now needs no further frames. Only regions of which more than half lies in `removed` are
   /// confirmed.
@@ -44,7 +51,8 @@ class Examiner {
 
  private:
   Examiner(std::unique_ptr<Comparator> comparator, Rig rig, const ExaminerOptions& options);
-  [[nodiscard]] Result<Examination> examine(const TrackedFrame& frame, const Model& model, RegionTracker& regions);
+  [[nodiscard]] Result<Examination> examine(const TrackedFrame& frame, const Model& model, const AveragedDepth* average,
+                                            RegionTracker& regions);
 
   std::unique_ptr<Comparator> comparator_;
   Rig rig_;

@@ -43,13 +43,21 @@ void RecordingArguments::add_to(CLI::App& command, bool poses_allowed) {
 void RecordingArguments::add_source_options(CLI::App& command) {
   poses_allowed_ = false;
   command.add_option("--rig", rig, "another rig.yaml than the recording's");
+  command.add_option("--sensor", sensor,
+                     "another noise model than the rig's: kinect1, kinect1-khoshelham, tof or constant:METRES");
   command.add_option("--markers", markers, "track by these markers (markers.yaml)");
   command.add_option("--init", init, "pose:tx,ty,tz,qx,qy,qz,qw of the first colour image, camera to world");
 }
 
 Result<TrackedFrames> RecordingArguments::open(bool live, bool real_time) const {
+  RecordingSource::Options source_options{.real_time = real_time, .sensor = std::nullopt};
+  if (!sensor.empty()) {
+    auto model = parse_sensor(sensor);
+    if (!model) return fail("--sensor", model.error());
+    source_options.sensor = *model;
+  }
   auto source = RecordingSource::open(recording, rig.empty() ? std::nullopt : std::optional<std::filesystem::path>{rig},
-                                      {.real_time = real_time});
+                                      std::move(source_options));
   if (!source) return fail(source.error());
   PoseOptions options;
   options.skip_unreadable = live;
@@ -75,6 +83,42 @@ Result<TrackedFrames> RecordingArguments::open(bool live, bool real_time) const 
   }
   auto ahead = std::make_unique<PrefetchingSource>(std::move(*source), WhenFull::wait);
   return TrackedFrames::create(std::move(ahead), std::move(options));
+}
+
+void ThresholdArguments::add_to(CLI::App& command) {
+  command
+      .add_option("--threshold", threshold, "what counts as a change: metres (0.02) or multiples of the noise (3sigma)")
+      ->capture_default_str();
+  command
+      .add_option("--model-sigma", model_sigma_m,
+                  "how far the model may be from the real surfaces, in metres (one sigma)")
+      ->check(between(0, 0.2))
+      ->capture_default_str();
+}
+
+Result<ExaminerOptions> ThresholdArguments::examiner_options() const {
+  const auto parsed = parse_threshold(threshold);
+  if (!parsed) return fail(parsed.error());
+  if (model_sigma_m > 0 && parsed->kind == Threshold::Kind::fixed) {
+    return fail("--model-sigma widens a threshold in sigmas; with --threshold in metres it would do nothing",
+                ErrorKind::usage);
+  }
+  ExaminerOptions options = ExaminerOptions::of(*parsed);
+  options.model_sigma_m = model_sigma_m;
+  return options;
+}
+
+Result<SensorModel> parse_sensor(const std::string& text) {
+  const auto [kind, rest] = split_kind(text);
+  Result<SensorModel> sensor = SensorModel::from_name(text);
+  if (kind == "constant") {
+    double sigma_m = 0;
+    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), sigma_m);
+    sensor = error == std::errc{} && end == rest.data() + rest.size() ? SensorModel::constant(sigma_m)
+                                                                      : fail("use constant:METRES");
+  }
+  if (!sensor) return fail(sensor.error().message, ErrorKind::usage);
+  return sensor;
 }
 
 Result<Threshold> parse_threshold(const std::string& text) {

@@ -5,14 +5,16 @@
 #include <string>
 
 #include "common/change/comparison.h"
+#include "server/pipeline/examiner.h"
 #include "server/pipeline/tracked_frames.h"
 
 namespace meshloop {
 
-/// `--recording DIR [--rig F] [--poses F] [--markers F] [--init pose:...]`
+/// `--recording DIR [--rig F] [--sensor NAME] [--poses F] [--markers F] [--init pose:...]`
 struct RecordingArguments {
   std::string recording;
   std::string rig;
+  std::string sensor;
   std::string poses;
   std::string markers;
   std::string init;
@@ -30,9 +32,18 @@ struct RecordingArguments {
   bool poses_allowed_ = true;
 };
 
+/// `[--threshold 0.02|3sigma] [--model-sigma METRES]`: what counts as a change.
+struct ThresholdArguments {
+  std::string threshold = "3sigma";
+  double model_sigma_m = 0;
+
+  void add_to(CLI::App& command);
+  [[nodiscard]] Result<ExaminerOptions> examiner_options() const;
+};
+
+/// A name of SensorModel::from_name, or `constant:METRES`.
+[[nodiscard]] Result<SensorModel> parse_sensor(const std::string& text);
 /// `0.02` (metres, at most 1) or `3sigma` (at most 100).
 [[nodiscard]] Result<Threshold> parse_threshold(const std::string& text);
-inline constexpr const char* kThresholdHelp =
-    "what counts as a change: metres (0.02) or multiples of the noise (3sigma)";
 
 }  // namespace meshloop

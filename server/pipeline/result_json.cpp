@@ -1,14 +1,17 @@
 #include "server/pipeline/result_json.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 namespace meshloop {
 namespace {
 
-nlohmann::json box_json(const Eigen::AlignedBox3d& box) {
+template <class Box>
+nlohmann::json box_json(const Box& box) {
   if (box.isEmpty()) return nullptr;
-  return {{"min", {box.min().x(), box.min().y(), box.min().z()}},
-          {"max", {box.max().x(), box.max().y(), box.max().z()}}};
+  const auto list = [](const auto& corner) { return std::vector(corner.begin(), corner.end()); };
+  return {{"min", list(box.min())}, {"max", list(box.max())}};
 }
 
 }  // namespace
@@ -28,9 +31,23 @@ nlohmann::json region_json(const Region& region) {
           {"mean_difference_m", region.mean_difference_m},
           {"max_difference_m", region.max_difference_m},
           {"significance", region.significance},
+          {"box_px", box_json(region.pixel_box)},
           {"box_m", box_json(region.world_box)},
+          {"centre_m", std::vector(region.centre_m.begin(), region.centre_m.end())},
           {"frames_seen", region.frames_seen},
+          {"views_seen", region.views_seen},
           {"confirmed", region.confirmed}};
+}
+
+nlohmann::json smallest_change_json(const Examination& examination) {
+  if (!examination.smallest_change_m) return nullptr;
+  return *examination.smallest_change_m;
+}
+
+std::string smallest_change_text(const Examination& examination) {
+  if (!examination.smallest_change_m) return "here: nothing can be told";
+  const double mm = 1000 * *examination.smallest_change_m;
+  return mm < 10 ? fmt::format("here: {:.1f} mm", mm) : fmt::format("here: {:.0f} mm", mm);
 }
 
 nlohmann::json times_json(const Examination& examination) {

@@ -1,6 +1,7 @@
 #pragma once
 // How results look as JSON. The keys are a contract: keys are added, never renamed.
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "common/change/region.h"
 #include "common/program/json_output.h"
@@ -11,6 +12,10 @@ namespace meshloop {
 
 [[nodiscard]] nlohmann::json counts_json(const Comparison& comparison);
 [[nodiscard]] nlohmann::json region_json(const Region& region);
+/// Metres, null when nothing can be told.
+[[nodiscard]] nlohmann::json smallest_change_json(const Examination& examination);
+/// "here: 18 mm", for the title of a picture.
+[[nodiscard]] std::string smallest_change_text(const Examination& examination);
 [[nodiscard]] nlohmann::json times_json(const Examination& examination);
 [[nodiscard]] nlohmann::json revision_json(const RevisionInfo& info);
 

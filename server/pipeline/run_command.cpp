@@ -18,7 +18,7 @@ struct RunArguments {
   std::string source;
   std::string scene;
   std::string out;
-  std::string threshold = "3sigma";
+  ThresholdArguments threshold;
   std::string accept = "none";
   bool fast = false;
 };
@@ -30,10 +30,10 @@ Status run(RunArguments arguments) {
                 ErrorKind::usage);
   }
   arguments.recording.recording = folder;
-  const auto threshold = parse_threshold(arguments.threshold);
-  if (!threshold) return fail(threshold.error());
+  const auto examiner = arguments.threshold.examiner_options();
+  if (!examiner) return fail(examiner.error());
   auto& options = arguments.station;
-  options.threshold = *threshold;
+  options.examiner = *examiner;
   options.scene = arguments.scene;
   options.out = arguments.out;
   options.accept_all = arguments.accept == "all";
@@ -59,12 +59,13 @@ void add_run_command(CLI::App& app, Action& action) {
   command->add_option("--domain", arguments->station.link.domain, "DDS domain")
       ->check(CLI::Range(0, 230))
       ->capture_default_str();
-  command->add_option("--threshold", arguments->threshold, kThresholdHelp)->capture_default_str();
+  arguments->threshold.add_to(*command);
   command
       ->add_option("--accept", arguments->accept, "what is accepted without asking: all confirmed proposals, or none")
       ->check(CLI::IsMember({"all", "none"}))
       ->capture_default_str();
-  command->add_option("--out", arguments->out, "folder for pictures before and after each revision");
+  command->add_option("--out", arguments->out,
+                      "folder for pictures before and after each revision, and of each confirmed region");
   command
       ->add_option("--serve", arguments->station.serve_s,
                    "seconds to go on serving when the source has ended; -1: until Ctrl-C")

@@ -10,6 +10,7 @@
 #include "common/base/log.h"
 #include "common/image/image_file.h"
 #include "common/program/stop_signal.h"
+#include "server/pipeline/region_pictures.h"
 #include "server/pipeline/result_json.h"
 
 namespace meshloop {
@@ -27,6 +28,7 @@ struct Station::Parts {
   PublishReport last_publish;
   /// When the newest revision was accepted, while it could not be published.
   std::optional<std::int64_t> unpublished_ns;
+  RegionPictures region_pictures;
 };
 
 Station::Station(std::unique_ptr<Parts> parts) : parts_{std::move(parts)} {}
@@ -40,7 +42,7 @@ Result<std::unique_ptr<Station>> Station::create(const StationOptions& options, 
   }
   auto gpu = GpuContext::create_headless();
   if (!gpu) return fail(gpu.error());
-  auto examiner = Examiner::create(**gpu, rig, ExaminerOptions::of(options.threshold));
+  auto examiner = Examiner::create(**gpu, rig, options.examiner);
   if (!examiner) return fail(examiner.error());
   auto store = SceneStore::open(options.scene, false);
   if (!store) return fail(store.error());
@@ -57,7 +59,8 @@ Result<std::unique_ptr<Station>> Station::create(const StationOptions& options, 
                                          .previous_pose = std::nullopt,
                                          .after_is_due = false,
                                          .last_publish = {},
-                                         .unpublished_ns = std::nullopt}};
+                                         .unpublished_ns = std::nullopt,
+                                         .region_pictures = RegionPictures{options.out}}};
   std::unique_ptr<Station> station{new Station{std::move(parts)}};
   const auto model = station->parts_->store->model();
   if (auto done = station->publish(model, wall_clock_ns()); !done) return fail(done.error());
@@ -95,11 +98,28 @@ void Station::write_picture(const char* when, const TrackedFrame& tracked, const
   if (parts_->options.out.empty()) return;
   const auto revision = parts_->store->model()->revision;
   OverlayOptions options;
-  options.title = fmt::format("frame {}, {} revision {}", tracked.frame.index, when, revision);
+  options.title = fmt::format("frame {}, {} revision {}, {}", tracked.frame.index, when, revision,
+                              smallest_change_text(examination));
   const auto picture = overlay_on_color(examination.comparison, tracked.frame.depth, tracked.frame.color, parts_->rig,
                                         &examination.regions, options);
   const auto file = parts_->options.out / fmt::format("revision_{:04}_{}.png", revision, when);
   if (auto done = write_png(file, picture); !done) log_warning("{}; going on without it", done.error().message);
+}
+
+nlohmann::json Station::confirmed_json(const TrackedFrame& tracked, const Examination& examination) {
+  auto& pictures = parts_->region_pictures;
+  if (!parts_->options.out.empty()) {
+    if (auto done = pictures.update(tracked, examination, parts_->rig, true); !done) {
+      log_warning("{}; going on without it", done.error().message);
+    }
+  }
+  nlohmann::json regions = nlohmann::json::array();
+  for (const auto& region : examination.regions.regions) {
+    if (!region.confirmed) continue;
+    regions.push_back(region_json(region));
+    if (const auto file = pictures.file_of(region.id); !file.empty()) regions.back()["picture"] = file;
+  }
+  return regions;
 }
 
 Status Station::accept(const TrackedFrame& tracked, const Examination& examination) {
@@ -108,7 +128,7 @@ Status Station::accept(const TrackedFrame& tracked, const Examination& examinati
   const double snapshot_ms = snapshot_watch.milliseconds();
   if (proposals.empty()) return {};
   OverlayOptions options;
-  options.title = fmt::format("frame {}", tracked.frame.index);
+  options.title = fmt::format("frame {}, {}", tracked.frame.index, smallest_change_text(examination));
   const auto picture = overlay_on_color(examination.comparison, tracked.frame.depth, tracked.frame.color, parts_->rig,
                                         &examination.regions, options);
   auto acceptance = accept_changes(*parts_->store, proposals, "automatic", picture);
@@ -162,8 +182,9 @@ Status Station::handle(const TrackedFrame& tracked) {
   if (!examination) return fail(fmt::format("frame {}", tracked.frame.index), examination.error());
   event["counts"] = counts_json(examination->comparison);
   event["time_ms"] = times_json(*examination);
-  const auto& regions = examination->regions.regions;
-  const auto confirmed = std::count_if(regions.begin(), regions.end(), [](const Region& r) { return r.confirmed; });
+  event["smallest_change_m"] = smallest_change_json(*examination);
+  event["regions"] = confirmed_json(tracked, *examination);
+  const auto confirmed = event["regions"].size();
   event["confirmed_regions"] = confirmed;
   if (confirmed > 0 && wait) event["waits"] = *wait;
   tell(std::move(event));

@@ -17,10 +17,10 @@ struct StationOptions {
   std::filesystem::path scene;
   /// Name of the scene on the network.
   LinkOptions link;
-  Threshold threshold;
+  ExaminerOptions examiner;
   /// Accept every confirmed proposal when reason_to_wait has nothing against it; otherwise only show them.
   bool accept_all = false;
-  /// Folder for pictures of each revision; none when empty.
+  /// Folder for pictures of each revision and of each confirmed region; none when empty.
   std::filesystem::path out;
   /// Seconds to go on serving the scene after the source has ended; negative: until a stop signal.
   double serve_s = 0;
@@ -48,6 +48,7 @@ class Station {
   [[nodiscard]] Status publish(const std::shared_ptr<const Model>& model, std::int64_t accepted_ns);
   /// What cannot be sent now (a reader does not keep up) is sent again with the next frame, or while serving.
   void publish_or_retry(std::int64_t accepted_ns);
+  [[nodiscard]] nlohmann::json confirmed_json(const TrackedFrame& tracked, const Examination& examination);
   void write_picture(const char* when, const TrackedFrame& tracked, const Examination& examination);
   void serve();
   void tell(nlohmann::json event) const;

@@ -20,7 +20,8 @@ TrackedPose lost_at(double timestamp_s) {
 
 TrackedPose seen_from_depth(const Rig& rig, TrackedPose color) {
   color.T_camera_world = rig.T_depth_color * color.T_camera_world;
-  color.covariance = moved(rig.T_depth_color, color.covariance);
+  // Both perturbations act on the left, in the depth camera's frame.
+  color.covariance = moved(rig.T_depth_color, color.covariance) + rig.covariance.T_depth_color;
   return color;
 }
 

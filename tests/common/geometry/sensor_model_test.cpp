@@ -58,6 +58,29 @@ TEST(SensorModel, ConstantIsTheSameEverywhereAndBounded) {
   }
 }
 
+TEST(SensorModel, MeasuredHoldsItsNearValueAndGrowsWithTheSquareBeyond) {
+  SensorNoise noise;
+  noise.axial = {0.001, 0.0005, 0.002};
+  noise.nearest_m = 0.5;
+  noise.farthest_m = 2;
+  const SensorModel sensor = SensorModel::measured(noise).value();
+  EXPECT_EQ(sensor.name(), "measured");
+  EXPECT_NEAR(sensor.sigma_z_m(1, 0), 0.0035, 1e-12);
+  EXPECT_EQ(sensor.sigma_z_m(0.1, 0), sensor.sigma_z_m(0.5, 0));
+  EXPECT_NEAR(sensor.sigma_z_m(4, 0), 4 * sensor.sigma_z_m(2, 0), 1e-12);
+}
+
+TEST(SensorModel, AveragingDividesTheNoiseAndNotTheSteps) {
+  const SensorModel kinect = named("kinect1");
+  const double sigma = kinect.sigma_z_m(2, 0);
+  const double step = kinect.quantisation_m(2);
+  EXPECT_NEAR(kinect.variance_m2(2, 0, 1), sigma * sigma, 1e-15);
+  EXPECT_NEAR(kinect.variance_m2(2, 0, 10), (sigma * sigma - step * step / 12) / 10 + step * step / 12, 1e-15);
+  EXPECT_NEAR(named("tof").variance_m2(2, 0, 4), 0.01 * 0.01, 1e-15);
+  // Never more than the sensor's own sigma, also where its steps are coarse.
+  EXPECT_LE(kinect.variance_m2(20, 0, 100), kinect.sigma_z_m(20, 0) * kinect.sigma_z_m(20, 0));
+}
+
 TEST(SensorModel, NamesLeadBackToTheModel) {
   for (const char* name : {"kinect1", "kinect1-khoshelham", "tof"}) EXPECT_EQ(named(name).name(), name);
   const auto unknown = SensorModel::from_name("kinect2");

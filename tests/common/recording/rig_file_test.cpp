@@ -74,6 +74,75 @@ TEST_F(RigFile, WrittenNumbersComeBackToTheBit) {
   }
 }
 
+TEST_F(RigFile, MeasuredSensorComesBackToTheBit) {
+  SensorNoise noise;
+  noise.axial = {0.0011, -0.0007, 0.1 / 37};
+  noise.nearest_m = 0.55;
+  noise.farthest_m = 3.1;
+  noise.step_per_m = 0.00285;
+  noise.lateral_px = 0.77;
+  Rig rig = small_rig();
+  rig.sensor = SensorModel::measured(noise).value();
+  ASSERT_TRUE(write_rig(file_, rig));
+  const auto read = read_rig(file_);
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_EQ(read->sensor.kind(), SensorModel::Kind::measured);
+  EXPECT_EQ(read->sensor.noise().axial, noise.axial);
+  EXPECT_EQ(read->sensor.noise().nearest_m, 0.55);
+  EXPECT_EQ(read->sensor.noise().farthest_m, 3.1);
+  EXPECT_EQ(read->sensor.noise().step_per_m, 0.00285);
+  EXPECT_EQ(read->sensor.noise().lateral_px, 0.77);
+}
+
+TEST_F(RigFile, MeasuredSensorThatCannotBeIsRefused) {
+  const auto error = [&](const char* polynomial, const char* range, const char* rest) {
+    return error_of("sensor: kinect1",
+                    std::string{"sensor: {polynomial: "} + polynomial + ", range: " + range + ", " + rest + "}");
+  };
+  const char* good = "step: 0, lateral_px: 1";
+  EXPECT_EQ(error("[0.001, 0, 0]", "[0.5, 2]", good), "no error");
+  EXPECT_THAT(error("[0.001, 0]", "[0.5, 2]", good), HasSubstr("'sensor.polynomial' must be a list of 3"));
+  EXPECT_THAT(error("[0.001, -0.001, 0]", "[0.5, 2]", good), HasSubstr("must be above 0"));
+  // Positive at both ends, not between them.
+  EXPECT_THAT(error("[0.0009, -0.002, 0.001]", "[0.5, 2]", good), HasSubstr("must be above 0"));
+  EXPECT_THAT(error("[0.001, 0, 0]", "[2, 0.5]", good), HasSubstr("from near to far"));
+  EXPECT_THAT(error("[0.001, 0, 0]", "[0.5, 2]", "step: 1, lateral_px: 1"), HasSubstr("step"));
+  EXPECT_THAT(error("[0.001, 0, 0]", "[0.5, 2]", "step: 0, lateral_px: -1"), HasSubstr("lateral"));
+  EXPECT_THAT(error("[0.001, 0, 0]", "[0.5, 2]", "step: 0"), HasSubstr("'sensor.lateral_px' is missing"));
+}
+
+TEST_F(RigFile, CovarianceIsOptionalAndComesBackToTheBit) {
+  EXPECT_TRUE(read(kExample)->covariance.depth_intrinsics.isZero(0));
+  Rig rig = small_rig();
+  Eigen::Matrix4d A = Eigen::Matrix4d::Random();
+  Eigen::Matrix<double, 6, 6> B = Eigen::Matrix<double, 6, 6>::Random();
+  rig.covariance.depth_intrinsics = A * A.transpose();
+  rig.covariance.T_depth_color = 1e-6 * B * B.transpose();
+  ASSERT_TRUE(write_rig(file_, rig));
+  const auto back = read_rig(file_);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_TRUE(back->covariance.depth_intrinsics.isApprox(rig.covariance.depth_intrinsics, 1e-15));
+  EXPECT_TRUE(back->covariance.T_depth_color.isApprox(rig.covariance.T_depth_color, 1e-15));
+  const auto one = read(std::string{kExample} + "covariance: {depth_intrinsics: [4, 1, 0, 0, 5, 0, 0, 6, 0, 7]}\n");
+  ASSERT_TRUE(one) << one.error().message;
+  EXPECT_EQ(one->covariance.depth_intrinsics(1, 0), 1);
+  EXPECT_EQ(one->covariance.depth_intrinsics(3, 3), 7);
+  EXPECT_TRUE(one->covariance.T_depth_color.isZero(0));
+}
+
+TEST_F(RigFile, CovarianceThatIsNoneIsRefused) {
+  const auto error = [&](const std::string& line) {
+    const auto rig = read(kExample + line + "\n");
+    return rig ? "no error" : rig.error().message;
+  };
+  EXPECT_THAT(error("covariance: {depth_intrinsics: [1, 2]}"), HasSubstr("must be a list of 10 numbers"));
+  EXPECT_THAT(error("covariance: {color: [1, 2]}"), HasSubstr("unknown key 'covariance.color'"));
+  EXPECT_THAT(error("covariance: {depth_intrinsics: [1, 2, 0, 0, 1, 0, 0, 1, 0, 1]}"),
+              HasSubstr("negative eigenvalue"));
+  EXPECT_THAT(error("covariance: {depth_intrinsics: [-1, 0, 0, 0, 1, 0, 0, 1, 0, 1]}"),
+              HasSubstr("negative eigenvalue"));
+}
+
 TEST_F(RigFile, EveryMissingKeyIsNamedWithTheFile) {
   for (const char* key : {"depth_scale", "T_depth_color", "sensor", "depth_registered", "color", "depth"}) {
     std::string text = kExample;
@@ -122,6 +191,8 @@ TEST_F(RigFile, ARegisteredDepthCameraMustBeTheColorCamera) {
   rig.T_depth_color = Pose::Identity();
   ASSERT_TRUE(write_rig(file_, rig));
   EXPECT_TRUE(read_rig(file_)->depth_registered);
+  rig.covariance.T_depth_color = 1e-6 * PoseCovariance::Identity();
+  EXPECT_THAT(write_rig(file_, rig).error().message, HasSubstr("leave its covariance out"));
 }
 
 TEST_F(RigFile, WhatIsNotYamlOrNotAMapIsOneSentence) {

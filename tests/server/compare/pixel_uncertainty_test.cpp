@@ -69,6 +69,44 @@ TEST(DepthByTwist, IsTheChangeOfRenderedDepth) {
   }
 }
 
+// The value of parameter i of (fx, fy, cx, cy) changed.
+Camera with_changed_intrinsic(Camera camera, int i, double change) {
+  for (double* value : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) {
+    if (i-- == 0) *value += change;
+  }
+  return camera;
+}
+
+TEST(DepthByIntrinsics, IsTheChangeOfRenderedDepth) {
+  const Camera camera = camera_of(160, 120);
+  constexpr double kStep_px = 0.1;
+  for (const auto& [by_x, by_y] : {std::pair{0.0F, 0.0F}, {0.8F, -0.4F}, {-1.2F, 0.6F}}) {
+    const Model model = slanted_plane(by_x, by_y);
+    const Pose T_depth_world = at(0.1, -0.05, 0.2, 0.1);
+    const auto depth = render_depth(model, camera, T_depth_world);
+    for (const auto& [u, v] : {std::pair{80, 60}, {50, 40}, {100, 85}}) {
+      const Eigen::Vector3d p = camera.back_project(u, v, static_cast<double>(depth(u, v)));
+      const auto J = depth_by_intrinsics(camera, expected_plane(depth, camera, u, v), p);
+      for (int i = 0; i < 4; ++i) {
+        const auto more = render_depth(model, with_changed_intrinsic(camera, i, kStep_px), T_depth_world);
+        const auto less = render_depth(model, with_changed_intrinsic(camera, i, -kStep_px), T_depth_world);
+        const double numeric = static_cast<double>(more(u, v) - less(u, v)) / (2 * kStep_px);
+        EXPECT_NEAR(J(i), numeric, 0.01 * std::abs(numeric) + 1e-5) << "parameter " << i << " at " << u << ", " << v;
+      }
+    }
+  }
+}
+
+TEST(PixelByIntrinsics, IsTheMotionOfAPoint) {
+  const Camera camera = camera_of(160, 120);
+  const Eigen::Vector3d p(0.3, -0.2, 1.5);
+  const auto J = pixel_by_intrinsics(p);
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector2d numeric = with_changed_intrinsic(camera, i, 1).project(p) - camera.project(p);
+    EXPECT_LT((J.col(i) - numeric).norm(), 1e-9) << "parameter " << i;
+  }
+}
+
 TEST(PixelByTwist, IsTheMotionOfAPoint) {
   const Camera camera = camera_of(160, 120);
   const Eigen::Vector3d p(0.3, -0.2, 1.5);
@@ -109,16 +147,15 @@ TEST_F(PixelUncertaintyTest, FixedThresholdHoldsEverywhere) {
   EXPECT_EQ(at_centre(2).reach_px, 0);
 }
 
-TEST_F(PixelUncertaintyTest, ConstantSensorAndCertainPoseLeaveNoReach) {
+TEST_F(PixelUncertaintyTest, ConstantSensorAndCertainPoseReachAsFarAsTheirPixels) {
   EXPECT_NEAR(at_centre(2).threshold_m, 3 * std::hypot(0.002, 0.00012), 1e-9);
-  EXPECT_EQ(at_centre(2).reach_px, 0);
+  EXPECT_EQ(at_centre(2).reach_px, 1);
 }
 
-TEST_F(PixelUncertaintyTest, KinectAddsQuantisationAndReachesTwoPixels) {
+TEST_F(PixelUncertaintyTest, KinectReachesTwoPixels) {
   input_.sensor = SensorModel{SensorModel::Kind::kinect1};
   const double sigma = 0.0012 + 0.0019 * 1.6 * 1.6;
-  const double step = 2.85e-3 * 4;
-  EXPECT_NEAR(at_centre(2).threshold_m, 3 * std::sqrt(sigma * sigma + step * step / 12 + 0.00012 * 0.00012), 1e-6);
+  EXPECT_NEAR(at_centre(2).threshold_m, 3 * std::hypot(sigma, 0.00012), 1e-6);
   EXPECT_EQ(at_centre(2).reach_px, 2);
 }
 
@@ -134,6 +171,35 @@ TEST_F(PixelUncertaintyTest, RotationOfThePoseMovesTheReachUpToItsLimit) {
   EXPECT_EQ(at_centre(2).reach_px, 4);
   input_.pose.covariance(4, 4) = 0.0025 * 0.0025;
   EXPECT_EQ(at_centre(2).reach_px, 1);
+}
+
+TEST_F(PixelUncertaintyTest, ModelToleranceAddsToTheVariance) {
+  input_.model_sigma_m = 0.004;
+  EXPECT_NEAR(at_centre(2).threshold_m, 3 * std::sqrt(0.002 * 0.002 + 0.004 * 0.004 + 0.00012 * 0.00012), 1e-9);
+}
+
+TEST_F(PixelUncertaintyTest, CalibrationCountsOnSlantedSurfacesAndMovesTheReach) {
+  input_.intrinsics_covariance(2, 2) = 1;  // cx to 1 pixel
+  EXPECT_NEAR(at_centre(2).threshold_m, 3 * std::hypot(0.002, 0.00012), 1e-9);
+  EXPECT_EQ(at_centre(2).reach_px, 3);
+  // Inverse depth by 0.001 a pixel: 4 mm of depth a pixel at two metres.
+  for (int v = 0; v < 120; ++v) {
+    for (int u = 0; u < 160; ++u) expected_(u, v) = static_cast<float>(1 / (0.5 + 0.001 * (u - 80)));
+  }
+  EXPECT_NEAR(at_centre(2).threshold_m, 3 * std::sqrt(0.002 * 0.002 + 0.004 * 0.004 + 0.00012 * 0.00012), 2e-5);
+}
+
+TEST_F(PixelUncertaintyTest, AveragingDividesTheNoiseOfEachPixelByItsOwnCount) {
+  Image<std::uint8_t> frames(160, 120, 1);
+  frames(80, 60) = 16;
+  input_.frames_averaged = &frames;
+  EXPECT_NEAR(at_centre(2).threshold_m, 3 * std::hypot(0.002 / 4, 0.00012), 1e-9);
+  frames(80, 60) = 1;
+  EXPECT_NEAR(at_centre(2).threshold_m, 3 * std::hypot(0.002, 0.00012), 1e-9);
+  // What does not change from frame to frame stays.
+  frames(80, 60) = 255;
+  input_.model_sigma_m = 0.003;
+  EXPECT_GT(at_centre(2).threshold_m, 3 * 0.003);
 }
 
 TEST_F(PixelUncertaintyTest, ThresholdAboveAQuarterMetreTellsNothing) {

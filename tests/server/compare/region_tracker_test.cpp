@@ -160,7 +160,7 @@ TEST_F(RegionTrackerTest, KeepsItsIdWhileTheCameraMovesAndIsConfirmed) {
   // A box before the wall, seen by a camera that goes sideways.
   for (int frame = 0; frame < 5; ++frame) {
     clear();
-    const int shift = 8 * frame;
+    const int shift = 9 * frame;
     T_camera_world_ = at(shift * 1.5 / camera_.fx, 0, 0);
     paint({200 + shift, 200, 60, 50}, Label::closer, -0.5F);
     paint({400 + shift, 200, 60, 50}, Label::closer, -0.5F);
@@ -169,13 +169,55 @@ TEST_F(RegionTrackerTest, KeepsItsIdWhileTheCameraMovesAndIsConfirmed) {
     EXPECT_EQ(map.ids(220 + shift, 220), 1U);
     EXPECT_EQ(map.ids(420 + shift, 220), 2U);
     EXPECT_EQ(map.regions[0].frames_seen, frame + 1);
+    EXPECT_EQ(map.regions[0].views_seen, frame + 1);
     EXPECT_EQ(map.regions[0].confirmed, frame >= 2);
+  }
+}
+
+TEST_F(RegionTrackerTest, RestingCameraConfirmsLater) {
+  paint({200, 200, 60, 50}, Label::closer, -0.5F);
+  for (int frame = 1; frame <= 12; ++frame) {
+    const auto map = update();
+    ASSERT_EQ(map.regions.size(), 1U);
+    EXPECT_EQ(map.regions[0].views_seen, 1);
+    EXPECT_EQ(map.regions[0].confirmed, frame >= 8) << frame;
+  }
+}
+
+TEST_F(RegionTrackerTest, ViewsBeforeARestCount) {
+  for (int frame = 0; frame < 10; ++frame) {
+    clear();
+    const int shift = frame == 0 ? 0 : 12;
+    T_camera_world_ = at(shift * 1.5 / camera_.fx, 0, 0);
+    paint({200 + shift, 200, 60, 50}, Label::closer, -0.5F);
+    const auto map = update();
+    EXPECT_EQ(map.regions[0].views_seen, frame == 0 ? 1 : 2);
+    EXPECT_EQ(map.regions[0].confirmed, frame >= 8) << frame;
+  }
+}
+
+TEST_F(RegionTrackerTest, NoiseThatSticksToTheCamerasPixelsIsNotConfirmedByMotion) {
+  // The camera goes sideways or turns; the region stays in the picture.
+  for (const bool turns : {false, true}) {
+    tracker_.reset();
+    paint({200, 200, 30, 25}, Label::closer, -0.1F);
+    int longest = 0;
+    for (int frame = 0; frame < 100; ++frame) {
+      const double step = 4.0 * frame / camera_.fx;
+      T_camera_world_ = turns ? Pose{Eigen::AngleAxisd{step, Eigen::Vector3d::UnitY()}} : at(1.9 * step, 0, 0);
+      const auto map = update();
+      ASSERT_EQ(map.regions.size(), 1U);
+      longest = std::max(longest, map.regions[0].frames_seen);
+      ASSERT_FALSE(map.regions[0].confirmed) << "turns " << turns << ", frame " << frame;
+    }
+    // It was taken for the same region long enough to be confirmed, had it counted frames.
+    EXPECT_GT(longest, 8);
   }
 }
 
 TEST_F(RegionTrackerTest, ConfirmedRegionComesBackUnderItsId) {
   paint({200, 200, 60, 50}, Label::closer, -0.5F);
-  for (int i = 0; i < 3; ++i) update();
+  for (int i = 0; i < 8; ++i) update();
   clear();
   for (int i = 0; i < 50; ++i) EXPECT_TRUE(update().regions.empty());
   paint({200, 200, 60, 50}, Label::closer, -0.5F);

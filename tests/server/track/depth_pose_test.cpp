@@ -46,6 +46,16 @@ TEST(DepthPoseAt, LiesOnTheWayBetweenTheColourPoses) {
   }
 }
 
+TEST(DepthPoseAt, AddsTheCalibrationsCovariance) {
+  Rig rig = rig_with_extrinsics();
+  const TrackedPose color = known(1.0, pose_a());
+  const auto before = depth_pose_at(rig, color, color, 1.0).covariance;
+  const Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Random();
+  rig.covariance.T_depth_color = 1e-6 * A * A.transpose();
+  const auto after = depth_pose_at(rig, color, color, 1.0).covariance;
+  EXPECT_TRUE((after - before).isApprox(rig.covariance.T_depth_color, 1e-9));
+}
+
 TEST(DepthPoseAt, IsLostFurtherThanHalfTheDistanceOutside) {
   const Rig rig = rig_with_extrinsics();
   const TrackedPose before = known(1.0, pose_a());
