@@ -18,7 +18,7 @@
 namespace meshloop {
 namespace {
 
-// Locations of the uniforms in shaders/compare.frag.
+// Locations of the uniforms in shaders/compare.glsl.
 enum Uniform : GLint {
   kIntrinsics,
   kSensorAxial,
@@ -51,6 +51,8 @@ struct Targets {
   Texture measured;
   Texture frames_averaged;
   Texture result;
+  /// Which pixels the second pass goes on with.
+  Texture progress;
   Framebuffer framebuffer;
 
   Targets(int wide, int high)
@@ -58,9 +60,11 @@ struct Targets {
         height{high},
         measured{make_texture(GL_R32F, wide, high)},
         frames_averaged{make_texture(GL_R8UI, wide, high)},
-        result{make_texture(GL_RGBA32UI, wide, high)} {
+        result{make_texture(GL_RGBA32UI, wide, high)},
+        progress{make_texture(GL_DEPTH_COMPONENT16, wide, high)} {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, result.name(), 0);
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, progress.name(), 0);
   }
 };
 
@@ -135,10 +139,18 @@ Comparison unpack(const Image<PackedPixel>& packed, const DepthImage& measured) 
   return result;
 }
 
+struct Programs {
+  Program every_pixel;
+  Program around;
+};
+
 class GlComparator final : public Comparator {
  public:
-  GlComparator(GpuContext& context, std::unique_ptr<SceneRenderer> renderer, Program program, Targets targets)
-      : context_{context}, renderer_{std::move(renderer)}, program_{std::move(program)}, targets_{std::move(targets)} {}
+  GlComparator(GpuContext& context, std::unique_ptr<SceneRenderer> renderer, Programs programs, Targets targets)
+      : context_{context},
+        renderer_{std::move(renderer)},
+        programs_{std::move(programs)},
+        targets_{std::move(targets)} {}
   GlComparator(const GlComparator&) = delete;
   GlComparator& operator=(const GlComparator&) = delete;
   // The members are freed in the context that made them.
@@ -149,11 +161,12 @@ class GlComparator final : public Comparator {
  private:
   void upload(const DepthImage& measured, const Image<std::uint8_t>* frames_averaged);
   void draw(const CompareInput& input);
+  void draw_pass(const Program& program, const CompareInput& input) const;
   [[nodiscard]] Image<PackedPixel> read_back() const;
 
   GpuContext& context_;
   std::unique_ptr<SceneRenderer> renderer_;
-  Program program_;
+  Programs programs_;
   Targets targets_;
   VertexArray no_vertices_;
 };
@@ -173,20 +186,27 @@ void GlComparator::upload(const DepthImage& measured, const Image<std::uint8_t>*
                   frames_averaged->data());
 }
 
-// The renderer, which has just drawn, left blending, culling and scissors off.
+// The renderer, which has just drawn, left blending, culling and scissors off and the depth test on. Both passes cover
+// the picture at the same depth; only the first one writes another.
 void GlComparator::draw(const CompareInput& input) {
   glBindFramebuffer(GL_FRAMEBUFFER, targets_.framebuffer.name());
   glViewport(0, 0, targets_.width, targets_.height);
-  glDisable(GL_DEPTH_TEST);
   bind_texture(3, targets_.frames_averaged.name());
   bind_texture(2, renderer_->node_texture());
   bind_texture(1, renderer_->depth_texture());
   bind_texture(0, targets_.measured.name());
-  program_.use();
-  set_uniforms(input);
   glBindVertexArray(no_vertices_.name());
-  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glDepthFunc(GL_ALWAYS);
+  draw_pass(programs_.every_pixel, input);
+  glDepthFunc(GL_GREATER);
+  if (input.threshold.kind == Threshold::Kind::k_sigma) draw_pass(programs_.around, input);
   glBindVertexArray(0);
+}
+
+void GlComparator::draw_pass(const Program& program, const CompareInput& input) const {
+  program.use();
+  set_uniforms(input);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 Image<PackedPixel> GlComparator::read_back() const {
@@ -240,12 +260,14 @@ Result<std::unique_ptr<Comparator>> Comparator::create(GpuContext& context) {
   constexpr int kFirstSize = 16;
   auto renderer = SceneRenderer::create(context);
   if (!renderer) return fail(renderer.error());
-  auto program = Program::create(shaders::compare_vert, shaders::compare_frag);
-  if (!program) return fail("preparing the comparison", program.error());
+  auto every_pixel = Program::create(shaders::compare_vert, shaders::compare_frag);
+  if (!every_pixel) return fail("preparing the comparison", every_pixel.error());
+  auto around = Program::create(shaders::compare_vert, shaders::compare_around_frag);
+  if (!around) return fail("preparing the comparison", around.error());
   Targets targets(kFirstSize, kFirstSize);
   if (auto usable = check_framebuffer("images of labels and thresholds"); !usable) return fail(usable.error());
-  return std::unique_ptr<Comparator>{
-      std::make_unique<GlComparator>(context, std::move(*renderer), std::move(*program), std::move(targets))};
+  return std::unique_ptr<Comparator>{std::make_unique<GlComparator>(
+      context, std::move(*renderer), Programs{std::move(*every_pixel), std::move(*around)}, std::move(targets))};
 }
 
 }  // namespace meshloop

@@ -1,0 +1,137 @@
+// Thresholds: what both passes of the comparison share. The formulas are derived in server/compare/README.md.
+const float kHalfPi = 1.57079632679;
+const float kSensorLimit = 1.39626340160;      // 80 degrees: beyond, the sensor's noise is not known to grow
+const float kCosSteepest = 0.03489949670;      // 88 degrees
+const float kGrazing = 1.04719755120;  // 60 degrees
+
+layout(binding = 0) uniform highp sampler2D measured_image;
+layout(binding = 1) uniform highp sampler2D expected_image;
+layout(binding = 2) uniform highp usampler2D node_image;
+layout(binding = 3) uniform highp usampler2D frames_image;
+
+layout(location = 0) uniform vec4 intrinsics;  // fx, fy, cx, cy
+// SensorNoise: coefficients of the axial sigma by depth; range (2), grows at grazing views, step; lateral sigma, its
+// growth, its least.
+layout(location = 1) uniform vec3 sensor_axial;
+layout(location = 2) uniform vec4 sensor_shape;
+layout(location = 3) uniform vec3 sensor_lateral;
+layout(location = 4) uniform float fixed_threshold_m;  // 0: by sigma
+layout(location = 5) uniform float sigmas;
+layout(location = 6) uniform float model_variance_m2;
+layout(location = 7) uniform float largest_threshold_m;
+layout(location = 8) uniform int largest_reach_px;
+// Blocks of the pose covariance: translation, translation by rotation, rotation.
+layout(location = 9) uniform mat3 covariance_tt;
+layout(location = 10) uniform mat3 covariance_tr;
+layout(location = 11) uniform mat3 covariance_rr;
+layout(location = 12) uniform mat4 covariance_intrinsics;  // fx, fy, cx, cy
+layout(location = 13) uniform bool is_averaged;
+
+float expected_at(ivec2 pixel) {
+  ivec2 size = textureSize(expected_image, 0);
+  if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, size))) return 0.0;
+  return texelFetch(expected_image, pixel, 0).r;
+}
+
+// Change of inverse depth from one pixel to the next: the flatter side, so that a depth edge is not taken for a slope.
+float slope(ivec2 pixel, ivec2 one, float inverse_depth) {
+  float before_m = expected_at(pixel - one);
+  float after_m = expected_at(pixel + one);
+  float backward = before_m > 0.0 ? inverse_depth - 1.0 / before_m : 0.0;
+  float forward = after_m > 0.0 ? 1.0 / after_m - inverse_depth : 0.0;
+  if (before_m == 0.0) return forward;
+  if (after_m == 0.0) return backward;
+  return abs(forward) < abs(backward) ? forward : backward;
+}
+
+// N of the plane N . p = 1 through the expected surface, in the camera's frame.
+vec3 plane_of(ivec2 pixel, vec3 ray, float expected_m) {
+  float inverse_depth = 1.0 / expected_m;
+  float x = intrinsics.x * slope(pixel, ivec2(1, 0), inverse_depth);
+  float y = intrinsics.y * slope(pixel, ivec2(0, 1), inverse_depth);
+  return vec3(x, y, inverse_depth - ray.x * x - ray.y * y);
+}
+
+// Variance of a . (v + w x p) for the pose's twist (v, w).
+float pose_variance(vec3 a, vec3 p) {
+  vec3 b = cross(p, a);
+  return max(0.0, dot(a, covariance_tt * a) + 2.0 * dot(a, covariance_tr * b) + dot(b, covariance_rr * b));
+}
+
+// acos for 0 to 1 (Abramowitz and Stegun, 4.4.46; within 2e-8 rad): atan takes many times as long.
+float angle_of(float x) {
+  float series = 0.0066700901 - 0.0012624911 * x;
+  series = -0.0170881256 + series * x;
+  series = 0.0308918810 + series * x;
+  series = -0.0501743046 + series * x;
+  series = 0.0889789874 + series * x;
+  series = -0.2145988016 + series * x;
+  return sqrt(max(0.0, 1.0 - x)) * (1.5707963050 + series * x);
+}
+
+float grazing_ratio(float theta) {
+  float t = min(theta, kSensorLimit);
+  return t / (kHalfPi - t);
+}
+
+// Of the mean of some frames: the share of the quantisation stays.
+float sensor_variance(float z_m, float theta, float frames) {
+  float z = clamp(z_m, sensor_shape.x, sensor_shape.y);
+  float beyond = max(1.0, z_m / sensor_shape.y);
+  float sigma_m = (sensor_axial.x + z * (sensor_axial.y + z * sensor_axial.z)) * beyond * beyond;
+  if (sensor_shape.z > 0.0 && theta > kGrazing) {
+    float ratio = grazing_ratio(theta);
+    sigma_m += 0.0001 / sqrt(max(z_m, 0.1)) * ratio * ratio;
+  }
+  float step_m = sensor_shape.w * z_m * z_m;
+  float lasting = min(step_m * step_m / 12.0, sigma_m * sigma_m);
+  return (sigma_m * sigma_m - lasting) / frames + lasting;
+}
+
+float lateral_sigma_px(float theta) {
+  return sensor_lateral.x + sensor_lateral.y * grazing_ratio(theta);
+}
+
+// Of J d for the error d of the intrinsics (fx, fy, cx, cy).
+float intrinsics_variance(vec4 J) {
+  return max(0.0, dot(J, covariance_intrinsics * J));
+}
+
+// How the pixel sees what is expected there; where nothing is, a plane across the ray through what was measured.
+struct Sight {
+  vec3 ray;
+  vec3 p;      // the point, in the camera's frame
+  vec3 plane;  // N of N . p = 1
+  float z_m;
+  float theta;   // between ray and normal
+  bool is_seen;  // not too steep to tell anything
+  vec2 inverse_depth_slope;  // of the expected surface, from one pixel to the next
+};
+
+Sight sight_at(ivec2 pixel, float measured_m, float expected_m) {
+  Sight sight;
+  sight.ray = vec3((vec2(pixel) - intrinsics.zw) / intrinsics.xy, 1.0);
+  bool is_modelled = expected_m > 0.0;
+  sight.z_m = is_modelled ? expected_m : measured_m;
+  sight.p = sight.z_m * sight.ray;
+  sight.plane = is_modelled ? plane_of(pixel, sight.ray, expected_m) : sight.ray / (sight.z_m * dot(sight.ray, sight.ray));
+  float cosine = min(1.0, 1.0 / (sight.z_m * sqrt(dot(sight.plane, sight.plane) * dot(sight.ray, sight.ray))));
+  sight.is_seen = cosine >= kCosSteepest;
+  sight.theta = angle_of(cosine);
+  sight.inverse_depth_slope = is_modelled ? sight.plane.xy / intrinsics.xy : vec2(0.0);
+  return sight;
+}
+
+// kNoThreshold_m where nothing can be told.
+float threshold_at(ivec2 pixel, Sight sight, float measured_m, float expected_m) {
+  if (fixed_threshold_m > 0.0) return fixed_threshold_m;
+  float frames = is_averaged ? max(1.0, float(texelFetch(frames_image, pixel, 0).r)) : 1.0;
+  float z2 = sight.z_m * sight.z_m;
+  float lateral_m = lateral_sigma_px(sight.theta) * z2 * length(sight.inverse_depth_slope);
+  vec2 by_centre = z2 * sight.plane.xy / intrinsics.xy;  // derivative of the expected depth by cx, cy
+  float variance = sensor_variance(max(expected_m, measured_m), sight.theta, frames) + lateral_m * lateral_m +
+                   z2 * pose_variance(sight.plane, sight.p) +
+                   intrinsics_variance(vec4(by_centre * sight.ray.xy, by_centre)) + model_variance_m2;
+  float threshold_m = sigmas * sqrt(variance);
+  return sight.is_seen && threshold_m <= largest_threshold_m ? threshold_m : kNoThreshold_m;
+}

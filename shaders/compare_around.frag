@@ -1,0 +1,65 @@
+#version 310 es
+// Second pass of the comparison, only where a measurement differs: may a surface beside the pixel explain it?
+precision highp float;
+precision highp int;
+
+#include "common/change/classify_rule.h"
+#include "shaders/compare.glsl"
+
+// Bits of expected depth, node, bits of the threshold, label.
+layout(location = 0) out uvec4 result;
+
+// How far to each side, in pixels, a surface may lie that was measured here.
+int reach_at(Sight sight) {
+  vec2 pixels_per_metre = intrinsics.xy / sight.z_m;
+  vec2 pixel_variance = pixels_per_metre * pixels_per_metre *
+                        vec2(pose_variance(vec3(1.0, 0.0, -sight.ray.x), sight.p),
+                             pose_variance(vec3(0.0, 1.0, -sight.ray.y), sight.p));
+  vec2 calibration_variance = vec2(intrinsics_variance(vec4(sight.ray.x, 0.0, 1.0, 0.0)),
+                                   intrinsics_variance(vec4(0.0, sight.ray.y, 0.0, 1.0)));
+  float footprint_px = max(lateral_sigma_px(sight.theta), sensor_lateral.z);
+  float variance_px2 = footprint_px * footprint_px + max(pixel_variance.x, pixel_variance.y) +
+                       max(calibration_variance.x, calibration_variance.y);
+  float reach_px = floor(sigmas * sqrt(variance_px2) + 0.5);
+  return min(int(min(reach_px, 1000.0)), largest_reach_px);
+}
+
+// Whether the surface that is expected at the pixel itself is the one seen at a neighbour, where it has this inverse
+// depth.
+bool continues(float inverse_depth, float z_m, float threshold_m) {
+  return inverse_depth > 0.0 && abs(z_m * inverse_depth - 1.0) <= threshold_m * inverse_depth;
+}
+
+uint label_at(ivec2 pixel, float measured_m, float expected_m, float threshold_m, int reach_px, vec2 inverse_depth_slope) {
+  float nearest_m = expected_m;
+  float farthest_m = expected_m;
+  bool has_gap = !(expected_m > 0.0);
+  ivec2 last = textureSize(expected_image, 0) - 1;
+  ivec2 from = max(pixel - reach_px, ivec2(0));
+  ivec2 to = min(pixel + reach_px, last);
+  for (int v = from.y; v <= to.y; ++v) {
+    for (int u = from.x; u <= to.x; ++u) {
+      float z_m = texelFetch(expected_image, ivec2(u, v), 0).r;
+      if (!(z_m > 0.0)) {
+        has_gap = true;
+        continue;
+      }
+      float inverse_depth = 1.0 / expected_m + dot(inverse_depth_slope, vec2(ivec2(u, v) - pixel));
+      if (expected_m > 0.0 && continues(inverse_depth, z_m, threshold_m)) continue;
+      nearest_m = nearest_m > 0.0 ? min(nearest_m, z_m) : z_m;
+      farthest_m = max(farthest_m, z_m);
+    }
+  }
+  return classify(measured_m, expected_m, threshold_m, nearest_m, farthest_m, has_gap);
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  float measured_m = texelFetch(measured_image, pixel, 0).r;
+  float expected_m = texelFetch(expected_image, pixel, 0).r;
+  uint node = texelFetch(node_image, pixel, 0).r;
+  Sight sight = sight_at(pixel, measured_m, expected_m);
+  float threshold_m = threshold_at(pixel, sight, measured_m, expected_m);
+  uint label = label_at(pixel, measured_m, expected_m, threshold_m, reach_at(sight), sight.inverse_depth_slope);
+  result = uvec4(floatBitsToUint(expected_m), node, floatBitsToUint(threshold_m), label);
+}
