@@ -68,13 +68,18 @@ struct Targets {
   }
 };
 
-/// The largest deviation of a simplified surface is about five times its root mean square, and never below three times
-/// on any surface that was looked at (common/detail/README.md).
+/// On no surface that was looked at was the root mean square of a simplified one's deviation more than a fifth of the
+/// largest (README.md, "Levels of detail").
 constexpr double kLargestByRms = 5;
 
 Tolerance tolerance_of(const CompareInput& input) {
-  if (input.detail_share <= 0) return {};
-  return Tolerance{[&](double z_m) { return kLargestByRms * input.detail_share * input.sensor.sigma_z_m(z_m, 0); }};
+  if (input.detail_share <= 0 || input.frames_averaged != nullptr) return {};
+  const bool is_fixed = input.threshold.kind == Threshold::Kind::fixed;
+  // A threshold in metres stands for three sigma.
+  const double most_m = is_fixed ? input.threshold.value / 3 : std::numeric_limits<double>::infinity();
+  return Tolerance{[&](double z_m) {
+    return kLargestByRms * input.detail_share * std::min(most_m, input.sensor.sigma_z_m(z_m, 0));
+  }};
 }
 
 void set_matrix(Uniform location, const Eigen::Matrix3d& matrix) {

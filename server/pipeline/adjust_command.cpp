@@ -125,6 +125,7 @@ Status adjust(const AdjustArguments& arguments) {
   if (!run) return fail(run.error());
   auto options = arguments.threshold.examiner_options();
   if (!options) return fail(options.error());
+  options->wait_for_detail = true;
   auto store = SceneStore::open(arguments.scene, false);
   if (!store) return fail(store.error());
   auto frames = arguments.recording.open();

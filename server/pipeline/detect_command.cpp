@@ -240,8 +240,9 @@ Status detect(const DetectArguments& arguments) {
                 .score = std::nullopt,
                 .results = nlohmann::json::array(),
                 .total_ms = {}};
-  const auto options = arguments.threshold.examiner_options();
+  auto options = arguments.threshold.examiner_options();
   if (!options) return fail(options.error());
+  options->wait_for_detail = true;
   if (!arguments.frames.empty()) {
     auto list = parse_frame_list(arguments.frames);
     if (!list) return fail(list.error());

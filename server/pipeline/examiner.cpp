@@ -68,7 +68,9 @@ Result<Examination> Examiner::examine(const TrackedFrame& frame, const Model& mo
                            .measured = &measured,
                            .frames_averaged = average != nullptr ? &average->frames : nullptr,
                            .model_sigma_m = options_.model_sigma_m,
-                           .threshold = options_.threshold};
+                           .threshold = options_.threshold,
+                           .detail_share = options_.detail_share,
+                           .wait_for_detail = options_.wait_for_detail};
   auto comparison = comparator_->compare(input, &examination.times);
   if (!comparison) return fail(comparison.error());
   examination.comparison = std::move(*comparison);

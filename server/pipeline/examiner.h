@@ -25,10 +25,14 @@ struct ExaminerOptions {
   RegionOptions regions;
   /// CompareInput::model_sigma_m.
   double model_sigma_m = 0;
+  /// CompareInput::detail_share and wait_for_detail.
+  double detail_share = kDetailShare;
+  bool wait_for_detail = false;
 
   /// The regions' significance counts in the threshold's own sigmas.
   static ExaminerOptions of(const Threshold& threshold) {
-    ExaminerOptions options{threshold, {}, 0};
+    ExaminerOptions options;
+    options.threshold = threshold;
     if (threshold.kind == Threshold::Kind::k_sigma) options.regions.sigmas_per_threshold = threshold.value;
     return options;
   }

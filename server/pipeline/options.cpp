@@ -94,6 +94,7 @@ void ThresholdArguments::add_to(CLI::App& command) {
                   "how far the model may be from the real surfaces, in metres (one sigma)")
       ->check(between(0, 0.2))
       ->capture_default_str();
+  command.add_flag("--exact", exact, "draw every triangle of the model, however far away; slower on large models");
 }
 
 Result<ExaminerOptions> ThresholdArguments::examiner_options() const {
@@ -105,6 +106,7 @@ Result<ExaminerOptions> ThresholdArguments::examiner_options() const {
   }
   ExaminerOptions options = ExaminerOptions::of(*parsed);
   options.model_sigma_m = model_sigma_m;
+  if (exact) options.detail_share = 0;
   return options;
 }
 

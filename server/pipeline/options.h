@@ -32,10 +32,12 @@ struct RecordingArguments {
   bool poses_allowed_ = true;
 };
 
-/// `[--threshold 0.02|3sigma] [--model-sigma METRES]`: what counts as a change.
+/// `[--threshold 0.02|3sigma] [--model-sigma METRES] [--exact]`: what counts as a change, and how exactly it is looked
+/// for.
 struct ThresholdArguments {
   std::string threshold = "3sigma";
   double model_sigma_m = 0;
+  bool exact = false;
 
   void add_to(CLI::App& command);
   [[nodiscard]] Result<ExaminerOptions> examiner_options() const;
