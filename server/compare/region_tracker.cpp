@@ -193,8 +193,10 @@ void RegionTracker::recognise(std::vector<Region>& regions, const View& view) {
     Known& known =
         *std::find_if(known_.begin(), known_.end(), [&](const Known& k) { return k.region.id == region.id; });
     region.frames_seen += view.frames;
-    region.confirmed = known.region.confirmed || region.views_seen >= options_.confirm_views ||
-                       known.frames_at_rest >= options_.confirm_frames_at_rest;
+    const bool strong = region.significance >= options_.strong_significance * options_.sigmas_per_threshold;
+    const int needed_at_rest = strong ? options_.confirm_views : options_.confirm_frames_at_rest;
+    region.confirmed =
+        known.region.confirmed || region.views_seen >= options_.confirm_views || known.frames_at_rest >= needed_at_rest;
     known.region = region;
   }
 }

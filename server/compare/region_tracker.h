@@ -23,6 +23,9 @@ struct RegionOptions {
   /// many frames. A region that moves along with the camera
   /// begins again.
   int confirm_frames_at_rest = 8;
+  /// Unless the region is this many times as significant as the threshold asks: errors that stick are no more than a
+  /// few sigma. Then confirm_views frames are enough.
+  double strong_significance = 2;
   /// How many sigma the comparison's thresholds stand for; a region's significance follows from it.
   double sigmas_per_threshold = 3;
   /// A region that was not seen for this many frames is forgotten: 5 when it was never confirmed.

@@ -111,16 +111,17 @@ Result<ExaminerOptions> ThresholdArguments::examiner_options() const {
 }
 
 Result<SensorModel> parse_sensor(const std::string& text) {
+  if (auto named = SensorModel::from_name(text)) return named;
   const auto [kind, rest] = split_kind(text);
-  Result<SensorModel> sensor = SensorModel::from_name(text);
-  if (kind == "constant") {
-    double sigma_m = 0;
-    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), sigma_m);
-    sensor = error == std::errc{} && end == rest.data() + rest.size() ? SensorModel::constant(sigma_m)
-                                                                      : fail("use constant:METRES");
+  double sigma_m = 0;
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), sigma_m);
+  if (kind != "constant" || error != std::errc{} || end != rest.data() + rest.size()) {
+    return fail(fmt::format("unknown sensor '{}'; use kinect1, kinect1-khoshelham, tof or constant:METRES", text),
+                ErrorKind::usage);
   }
-  if (!sensor) return fail(sensor.error().message, ErrorKind::usage);
-  return sensor;
+  auto constant = SensorModel::constant(sigma_m);
+  if (!constant) return fail(constant.error().message, ErrorKind::usage);
+  return constant;
 }
 
 Result<Threshold> parse_threshold(const std::string& text) {

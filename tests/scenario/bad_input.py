@@ -72,6 +72,14 @@ refused("a scene that nobody serves", 1, DEVICE, "run", "--scene", "nobody", "--
 refused("a start pose from which nothing is seen", 1, DEVICE, "track", "--model", model, "--recording", data / "device_after_move",
         "--init", "pose:0,0,9,0,0,0,1", "--out", path / "p.txt", says="every frame is lost")
 
+refused("an unknown sensor", 2, *detect("--sensor", "kinect9"), says="constant:METRES")
+refused("a sensor without noise", 2, *detect("--sensor", "constant:0"), says="above 0")
+refused("a tolerance beside a fixed threshold", 2, *detect("--threshold", "0.02", "--model-sigma", "0.01"), says="sigmas")
+refused("an average of a moving camera", 1, *detect("--average", "2", frames="0-3"), says="moved")
+refused("a calibration of nothing", 2, STATION, "calibrate", "--recording", station, "--out", path / "rig.yaml")
+refused("noise of too few frames", 1, STATION, "calibrate", "--noise", "--recording", station, "--out", path / "rig.yaml",
+        says="at least 20")
+
 print("-- models")
 refused("no such model", 1, *detect(the_model=path / "none.ply"), says="none.ply")
 refused("a model with no triangles", 1, *detect(the_model=write("points.obj", "v 0 0 0\nv 1 0 0\n")))

@@ -174,8 +174,16 @@ TEST_F(RegionTrackerTest, KeepsItsIdWhileTheCameraMovesAndIsConfirmed) {
   }
 }
 
+// Four sigma, where the threshold is three.
+constexpr float kWeak_m = -0.04F;
+
+TEST_F(RegionTrackerTest, RestingCameraConfirmsWhatIsStrongAtOnce) {
+  paint({200, 200, 60, 50}, Label::closer, -0.07F);
+  for (int frame = 1; frame <= 4; ++frame) EXPECT_EQ(update().regions[0].confirmed, frame >= 3) << frame;
+}
+
 TEST_F(RegionTrackerTest, RestingCameraConfirmsLater) {
-  paint({200, 200, 60, 50}, Label::closer, -0.5F);
+  paint({200, 200, 60, 50}, Label::closer, kWeak_m);
   for (int frame = 1; frame <= 12; ++frame) {
     const auto map = update();
     ASSERT_EQ(map.regions.size(), 1U);
@@ -188,8 +196,8 @@ TEST_F(RegionTrackerTest, ViewsBeforeARestCount) {
   for (int frame = 0; frame < 10; ++frame) {
     clear();
     const int shift = frame == 0 ? 0 : 12;
-    T_camera_world_ = at(shift * 1.5 / camera_.fx, 0, 0);
-    paint({200 + shift, 200, 60, 50}, Label::closer, -0.5F);
+    T_camera_world_ = at(shift * (kWall_m + kWeak_m) / camera_.fx, 0, 0);
+    paint({200 + shift, 200, 60, 50}, Label::closer, kWeak_m);
     const auto map = update();
     EXPECT_EQ(map.regions[0].views_seen, frame == 0 ? 1 : 2);
     EXPECT_EQ(map.regions[0].confirmed, frame >= 8) << frame;
@@ -200,7 +208,7 @@ TEST_F(RegionTrackerTest, NoiseThatSticksToTheCamerasPixelsIsNotConfirmedByMotio
   // The camera goes sideways or turns; the region stays in the picture.
   for (const bool turns : {false, true}) {
     tracker_.reset();
-    paint({200, 200, 30, 25}, Label::closer, -0.1F);
+    paint({200, 200, 30, 25}, Label::closer, kWeak_m);
     int longest = 0;
     for (int frame = 0; frame < 100; ++frame) {
       const double step = 4.0 * frame / camera_.fx;
