@@ -15,7 +15,7 @@
 #include "server/pipeline/examiner.h"
 #include "server/pipeline/options.h"
 #include "server/pipeline/result_json.h"
-#include "server/show/overlay.h"
+#include "server/pipeline/views.h"
 
 namespace meshloop {
 namespace {
@@ -29,7 +29,7 @@ struct DetectArguments {
   std::string threshold = "3sigma";
   std::string out;
   std::string truth;
-  std::string palette = "paper";
+  ViewArguments views;
   bool json = false;
 };
 
@@ -53,24 +53,23 @@ GreyImage label_numbers(const Image<Label>& labels) {
   return numbers;
 }
 
-Status write_pictures(const DetectRun& run, const TrackedFrame& tracked, const Examination& examination,
-                      const Rig& rig) {
+Status write_images(const DetectRun& run, int index, const Comparison& comparison) {
+  const fs::path out = run.arguments.out;
+  auto done = write_tiff(out / numbered("difference", index, "tiff"), comparison.difference_m);
+  return done ? write_png(out / numbered("labels", index, "png"), label_numbers(comparison.labels)) : done;
+}
+
+Status write_views(const DetectRun& run, const TrackedFrame& tracked, const Examination& examination, Views& views) {
   const fs::path out = run.arguments.out;
   const int index = tracked.frame.index;
-  OverlayOptions options;
-  options.palette = run.arguments.palette == "safe" ? Palette::color_blind_safe : Palette::paper;
-  options.title = fmt::format("frame {}, threshold {}", index, run.arguments.threshold);
-  const auto& comparison = examination.comparison;
-  const auto on_color =
-      overlay_on_color(comparison, tracked.frame.depth, tracked.frame.color, rig, &examination.regions, options);
-  const auto on_depth = overlay_on_depth(comparison, tracked.frame.depth, options);
-  for (const Status& done : {write_tiff(out / numbered("difference", index, "tiff"), comparison.difference_m),
-                             write_png(out / numbered("labels", index, "png"), label_numbers(comparison.labels)),
-                             write_png(out / numbered("overlay", index, "png"), on_color),
-                             write_png(out / numbered("overlay_depth", index, "png"), on_depth)}) {
-    if (!done) return done;
+  const auto title = fmt::format("frame {}, threshold {}", index, run.arguments.threshold);
+  if (views.wants_color()) {
+    const auto picture = views.on_color(tracked, examination, title);
+    if (!picture) return fail(picture.error());
+    if (auto done = write_png(out / numbered("overlay", index, "png"), *picture); !done) return done;
   }
-  return {};
+  if (!views.wants_depth()) return {};
+  return write_png(out / numbered("overlay_depth", index, "png"), views.on_depth(tracked, examination, title));
 }
 
 Result<DepthTruth> read_truth(const fs::path& folder, int frame) {
@@ -97,8 +96,7 @@ Status score_frame(DetectRun& run, const TrackedFrame& tracked, const Examinatio
   return {};
 }
 
-Status detect_frame(DetectRun& run, const TrackedFrame& tracked, const Model& model, const Rig& rig,
-                    Examiner& examiner) {
+Status detect_frame(DetectRun& run, const TrackedFrame& tracked, const Model& model, Examiner& examiner, Views& views) {
   nlohmann::json result{{"index", tracked.frame.index}, {"timestamp", tracked.frame.depth_timestamp_s}};
   if (tracked.depth_pose.state == TrackState::lost) {
     result["state"] = "lost";
@@ -108,7 +106,8 @@ Status detect_frame(DetectRun& run, const TrackedFrame& tracked, const Model& mo
   auto examination = examiner.examine(tracked, model);
   if (!examination) return fail(fmt::format("frame {}", tracked.frame.index), examination.error());
   if (auto done = score_frame(run, tracked, *examination); !done) return done;
-  if (auto done = write_pictures(run, tracked, *examination, rig); !done) return done;
+  if (auto done = write_images(run, tracked.frame.index, examination->comparison); !done) return done;
+  if (auto done = write_views(run, tracked, *examination, views); !done) return done;
   run.total_ms.push_back(examination->total_ms);
   result["state"] = name_of(tracked.depth_pose.state);
   result["counts"] = counts_json(examination->comparison);
@@ -178,7 +177,7 @@ Status check_frames(const DetectRun& run, int frames_read) {
   return {};
 }
 
-Status process(DetectRun& run, const Model& model, TrackedFrames& frames, Examiner& examiner) {
+Status process(DetectRun& run, const Model& model, TrackedFrames& frames, Examiner& examiner, Views& views) {
   int read = 0;
   for (;;) {
     auto tracked = frames.next();
@@ -187,7 +186,7 @@ Status process(DetectRun& run, const Model& model, TrackedFrames& frames, Examin
     read = (*tracked)->frame.index + 1;
     const bool wanted = run.frames.empty() || std::binary_search(run.frames.begin(), run.frames.end(), read - 1);
     if (wanted) {
-      if (auto done = detect_frame(run, **tracked, model, frames.rig(), examiner); !done) return done;
+      if (auto done = detect_frame(run, **tracked, model, examiner, views); !done) return done;
     }
     if (!run.frames.empty() && read > run.frames.back()) return {};
   }
@@ -215,7 +214,9 @@ Status detect(const DetectArguments& arguments) {
   if (!gpu) return fail(gpu.error());
   auto examiner = Examiner::create(**gpu, frames->rig(), ExaminerOptions::of(*threshold));
   if (!examiner) return fail(examiner.error());
-  if (auto done = process(run, *model, *frames, *examiner); !done) return done;
+  auto views = Views::create(**gpu, frames->rig(), arguments.views);
+  if (!views) return fail(views.error());
+  if (auto done = process(run, *model, *frames, *examiner, *views); !done) return done;
   report(run);
   return {};
 }
@@ -231,9 +232,8 @@ void add_detect_command(CLI::App& app, Action& action) {
   command->add_option("--threshold", arguments->threshold, kThresholdHelp)->capture_default_str();
   command->add_option("--out", arguments->out, "folder for differences, labels and overlays")->required();
   command->add_option("--truth", arguments->truth, "folder of exact depth images (made by simulate): adds a score");
-  command->add_option("--palette", arguments->palette, "colours of the overlays")
-      ->check(CLI::IsMember({"paper", "safe"}))
-      ->capture_default_str();
+  arguments->views.views = "both";
+  arguments->views.add_to(*command);
   command->add_flag("--json", arguments->json, "results as JSON on stdout");
   command->callback([arguments, &action] { action = [arguments] { return detect(*arguments); }; });
 }
