@@ -120,7 +120,30 @@ std::vector<cv::Mat> pyramid_of(const GreyImage& image, const FlowOptions& optio
   return pyramid;
 }
 
+double width_ratio(int width) {
+  return std::max(width, 1) / 640.0;
+}
+
+double length_scale(int width) {
+  return std::sqrt(std::min(1.0, width_ratio(width)));
+}
+
 }  // namespace
+
+CornerOptions corner_options_for(int width) {
+  CornerOptions options;
+  options.min_distance_px *= length_scale(width);
+  return options;
+}
+
+FlowOptions flow_options_for(int width) {
+  FlowOptions options;
+  options.window_px = 2 * static_cast<int>(std::lround((options.window_px * length_scale(width) - 1) / 2)) + 1;
+  // Each level doubles what a point may move.
+  const double levels = options.pyramid_levels + std::log2(width_ratio(width) / length_scale(width));
+  options.pyramid_levels = std::max(2, static_cast<int>(std::lround(levels)));
+  return options;
+}
 
 std::vector<Eigen::Vector2d> find_corners(const GreyImage& image, const GreyImage& mask,
                                           const std::vector<Eigen::Vector2d>& taken, const CornerOptions& options) {

@@ -28,6 +28,12 @@ struct FlowOptions {
   double max_round_trip_px = 0.5;
 };
 
+/// The options for pictures of another width than the 640 pixels that the defaults are meant for. In smaller ones
+/// lengths follow the root of the width: a corner still needs its surroundings to be told from others. In larger ones
+/// only the pyramid grows, since wider windows reach over the edges of things.
+[[nodiscard]] CornerOptions corner_options_for(int width);
+[[nodiscard]] FlowOptions flow_options_for(int width);
+
 struct TrackedPoint {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   bool found = false;

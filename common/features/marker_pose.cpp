@@ -35,7 +35,7 @@ std::vector<KnownSighting> known_of(const std::vector<MarkerSighting>& sightings
   std::vector<KnownSighting> known;
   for (const MarkerSighting& sighting : sightings) {
     const auto finite = [](const Eigen::Vector2d& p) { return p.allFinite(); };
-    if (!std::all_of(sighting.pixels.begin(), sighting.pixels.end(), finite)) continue;
+    if (!std::all_of(sighting.pixels.begin(), sighting.pixels.end(), finite) || !(sighting.sigma_px > 0)) continue;
     if (const Marker* marker = find_marker(map, sighting.id)) known.push_back({marker, &sighting});
   }
   return known;
@@ -65,8 +65,7 @@ std::vector<Pose> poses_from_one(const KnownSighting& known, const Camera& camer
 std::vector<PointObservation> observations_of(const std::vector<KnownSighting>& known) {
   std::vector<PointObservation> points;
   for (const auto& [marker, sighting] : known) {
-    for (std::size_t k = 0; k < 4; ++k)
-      points.push_back({marker->corners[k], sighting->pixels[k], kMarkerCornerSigmaPx});
+    for (std::size_t k = 0; k < 4; ++k) points.push_back({marker->corners[k], sighting->pixels[k], sighting->sigma_px});
   }
   return points;
 }
@@ -78,19 +77,31 @@ bool same_minimum(const Pose& a, const Pose& b) {
          (a.inverse().translation() - b.inverse().translation()).norm() < kSameShift * depth;
 }
 
-double squares(const RobustPose& pose) {
-  return pose.rms_px * pose.rms_px * pose.inliers / (kMarkerCornerSigmaPx * kMarkerCornerSigmaPx);
-}
-
 bool better(const RobustPose& a, const RobustPose& b) {
   return a.inliers != b.inliers ? a.inliers > b.inliers : a.rms_px < b.rms_px;
 }
 
-bool clearly_better(const RobustPose& a, const RobustPose& b) {
+// Of the inliers' residuals, each over its standard deviation.
+double squares(const RobustPose& pose, const std::vector<KnownSighting>& known, const Camera& camera) {
+  double sum = 0;
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (!pose.inlier[4 * i + k]) continue;
+      const Eigen::Vector3d p = pose.T_camera_world * known[i].marker->corners[k];
+      const double error = (camera.project(p) - known[i].sighting->pixels[k]).norm() / known[i].sighting->sigma_px;
+      sum += error * error;
+    }
+  }
+  return sum;
+}
+
+bool clearly_better(const RobustPose& a, const RobustPose& b, const std::vector<KnownSighting>& known,
+                    const Camera& camera) {
   if (a.inliers != b.inliers) return a.inliers > b.inliers;
   const double freedom = std::max(1.0, 2.0 * a.inliers - 6);
-  const double variance = std::max(1.0, squares(a) / freedom);
-  return squares(b) - squares(a) > kClearlyBetter * variance;
+  const double squares_a = squares(a, known, camera);
+  const double variance = std::max(1.0, squares_a / freedom);
+  return squares(b, known, camera) - squares_a > kClearlyBetter * variance;
 }
 
 double worst_error(const KnownSighting& known, const Camera& camera, const Pose& pose) {
@@ -156,7 +167,8 @@ std::optional<RobustPose> pose_from_markers(const std::vector<MarkerSighting>& s
   std::vector<RobustPose> found = minima(known, camera, prior);
   if (found.empty()) return std::nullopt;
   // What is clearly worse than the best does not fit.
-  std::erase_if(found, [best = found.front()](const RobustPose& pose) { return clearly_better(best, pose); });
+  std::erase_if(
+      found, [&, best = found.front()](const RobustPose& pose) { return clearly_better(best, pose, known, camera); });
   if (found.size() == 1) return found.front();
   if (!prior) return std::nullopt;
   const auto angle_to_prior = [&](const RobustPose& pose) {

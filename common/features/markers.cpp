@@ -57,7 +57,8 @@ std::vector<MarkerSighting> MarkerDetector::detect(const GreyImage& image) const
     sightings[i].id = ids[i];
     for (std::size_t k = 0; k < 4; ++k) sightings[i].pixels[k] = {corners[i][k].x, corners[i][k].y};
     // A marker too small or too blurred for this keeps the corners that it was found with.
-    static_cast<void>(refine_square(image, dictionary_->codes->markerSize + 2, sightings[i].pixels));
+    const bool refined = refine_square(image, dictionary_->codes->markerSize + 2, sightings[i].pixels);
+    sightings[i].sigma_px = refined ? kMarkerCornerSigmaPx : kRoughCornerSigmaPx;
   }
   return sightings;
 }

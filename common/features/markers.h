@@ -14,13 +14,17 @@
 
 namespace meshloop {
 
-/// Standard deviation to give a corner of a sighting; 0.04 px were measured on rendered views, see the README.
+/// Standard deviation of a refined corner; 0.04 px were measured on rendered views, see the README.
 inline constexpr double kMarkerCornerSigmaPx = 0.1;
+/// And of one that could not be refined, as in small pictures; 0.52 px were measured.
+inline constexpr double kRoughCornerSigmaPx = 0.5;
 
 struct MarkerSighting {
   int id = 0;
   /// Refined to sub-pixel accuracy, in the order of Marker::corners.
   std::array<Eigen::Vector2d, 4> pixels;
+  /// Of each coordinate of a corner.
+  double sigma_px = kMarkerCornerSigmaPx;
 };
 
 class MarkerDetector {

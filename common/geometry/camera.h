@@ -7,7 +7,8 @@
 
 namespace meshloop {
 
-/// A pinhole camera with the five-parameter lens distortion of OpenCV (k1, k2, p1, p2, k3).
+/// A pinhole camera with the lens distortion of OpenCV: radial and tangential (Brown, Conrady), and rational where the
+/// last three coefficients are not 0.
 struct Camera {
   int width = 0;
   int height = 0;
@@ -15,7 +16,8 @@ struct Camera {
   double fy = 0;
   double cx = 0;
   double cy = 0;
-  std::array<double, 5> distortion{};
+  /// k1, k2, p1, p2, k3, k4, k5, k6.
+  std::array<double, 8> distortion{};
 
   [[nodiscard]] bool has_distortion() const;
 
@@ -27,8 +29,12 @@ struct Camera {
   [[nodiscard]] Eigen::Vector3d back_project(double u, double v, double z) const {
     return {(u - cx) / fx * z, (v - cy) / fy * z, z};
   }
-  /// Where the lens moves an undistorted pixel to.
+  /// Where the lens moves an undistorted pixel to. Means nothing beyond lens_limit().
   [[nodiscard]] Eigen::Vector2d distort(const Eigen::Vector2d& pixel) const;
+  /// Distance from the axis, at z = 1, from which on the formula of the lens no longer moves points outwards: it turns
+  /// back into the picture, where coefficients were fitted to its middle only. Looked for up to the farthest corner of
+  /// the undistorted picture; infinite when there is none.
+  [[nodiscard]] double lens_limit() const;
   /// Inside the picture, with `margin` pixels to each side.
   [[nodiscard]] bool contains(const Eigen::Vector2d& pixel, double margin = 0) const {
     return pixel.x() >= margin - 0.5 && pixel.y() >= margin - 0.5 && pixel.x() < width - 0.5 - margin &&
@@ -38,7 +44,8 @@ struct Camera {
   [[nodiscard]] Camera without_distortion() const;
 };
 
-/// Says what is wrong with a camera's numbers: sizes from 16 to 8192 pixels, focal lengths positive, all finite.
+/// Says what is wrong with a camera's numbers: sizes from 16 to 8192 pixels, focal lengths positive, all finite, and a
+/// lens that does not fold the picture over before its nearest edge.
 [[nodiscard]] Status validate(const Camera& camera);
 
 }  // namespace meshloop

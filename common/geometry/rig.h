@@ -17,7 +17,7 @@ struct CalibrationCovariance {
 struct Rig {
   Camera color;
   Camera depth;
-  /// Metres per unit of the recorded 16-bit depth image.
+  /// Metres per unit of the recorded depth images, whole numbers or float; at most 1.
   double depth_scale = 0.001;
   Pose T_depth_color = Pose::Identity();
   SensorModel sensor;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "common/base/file.h"
 #include "common/image/image_limits.h"
 #include "common/image/jpeg_codec.h"
@@ -15,6 +17,16 @@ Result<ColorImage> decode_color(std::span<const std::byte> bytes) {
   if (is_png(bytes)) return decode_png_color(bytes);
   if (is_jpeg(bytes)) return decode_jpeg(bytes);
   return fail("neither PNG nor JPEG");
+}
+
+Result<Image<float>> decode_depth(std::span<const std::byte> bytes) {
+  if (is_tiff(bytes)) return decode_tiff(bytes);
+  if (!is_png(bytes)) return fail("neither 16-bit PNG nor float TIFF");
+  const auto whole = decode_png16(bytes);
+  if (!whole) return fail(whole.error());
+  Image<float> units{whole->width(), whole->height()};
+  std::copy(whole->pixels().begin(), whole->pixels().end(), units.pixels().begin());
+  return units;
 }
 
 template <class T>
@@ -39,6 +51,10 @@ Result<ColorImage> read_color_image(const std::filesystem::path& file) {
 
 Result<Image<std::uint16_t>> read_png16(const std::filesystem::path& file) {
   return read_image(file, decode_png16);
+}
+
+Result<Image<float>> read_depth_units(const std::filesystem::path& file) {
+  return read_image(file, decode_depth);
 }
 
 Result<GreyImage> read_png8(const std::filesystem::path& file) {

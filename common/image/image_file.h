@@ -14,6 +14,8 @@ namespace meshloop {
 [[nodiscard]] Result<ColorImage> read_color_image(const std::filesystem::path& file);
 /// 16-bit grey PNG, as depth images are recorded.
 [[nodiscard]] Result<Image<std::uint16_t>> read_png16(const std::filesystem::path& file);
+/// A depth image in the units of its file: 16-bit grey PNG or 32-bit float TIFF, told by its content.
+[[nodiscard]] Result<Image<float>> read_depth_units(const std::filesystem::path& file);
 /// 8-bit grey PNG (label images, masks).
 [[nodiscard]] Result<GreyImage> read_png8(const std::filesystem::path& file);
 

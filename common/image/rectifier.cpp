@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace meshloop {
 namespace {
@@ -10,8 +11,13 @@ namespace {
 std::vector<Eigen::Vector2f> source_map(const Camera& camera) {
   std::vector<Eigen::Vector2f> map;
   map.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
+  const double limit = camera.lens_limit();
+  const Eigen::Vector2f nowhere = Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
   for (int y = 0; y < camera.height; ++y) {
-    for (int x = 0; x < camera.width; ++x) map.push_back(camera.distort(Eigen::Vector2d(x, y)).cast<float>());
+    for (int x = 0; x < camera.width; ++x) {
+      const bool seen = camera.back_project(x, y, 1).head<2>().norm() <= limit;
+      map.push_back(seen ? camera.distort(Eigen::Vector2d(x, y)).cast<float>() : nowhere);
+    }
   }
   return map;
 }

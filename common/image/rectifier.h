@@ -12,7 +12,7 @@ class Rectifier {
  public:
   explicit Rectifier(const Camera& camera);
 
-  /// Images must have the camera's size. Pixels from outside become black, or 0.
+  /// Images must have the camera's size. Pixels from outside, or from beyond Camera::lens_limit(), become black, or 0.
   [[nodiscard]] ColorImage rectify(const ColorImage& image) const;
   [[nodiscard]] DepthImage rectify(const DepthImage& image) const;
 

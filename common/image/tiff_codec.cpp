@@ -10,6 +10,7 @@
 #include <cstring>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "common/image/image_limits.h"
 
@@ -103,6 +104,12 @@ Status check_layout(TIFF* tiff) {
 }
 
 }  // namespace
+
+bool is_tiff(std::span<const std::byte> bytes) {
+  if (bytes.size() < 4) return false;
+  const auto is = [&](std::string_view first) { return std::memcmp(bytes.data(), first.data(), first.size()) == 0; };
+  return is({"II*\0", 4}) || is({"MM\0*", 4}) || is({"II+\0", 4}) || is({"MM\0+", 4});
+}
 
 Result<Image<float>> decode_tiff(std::span<const std::byte> bytes) {
   Memory file{{bytes.begin(), bytes.end()}, 0, {}};

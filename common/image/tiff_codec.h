@@ -8,6 +8,7 @@
 
 namespace meshloop {
 
+[[nodiscard]] bool is_tiff(std::span<const std::byte> bytes);
 /// One channel of 32-bit float, in rows or strips.
 [[nodiscard]] Result<Image<float>> decode_tiff(std::span<const std::byte> bytes);
 /// Deflated; every bit pattern is kept, NaN too.

@@ -114,12 +114,10 @@ Result<ColorImage> Recording::read_color_file(const RecordedImage& image) const 
 }
 
 Result<DepthImage> Recording::read_depth_file(const RecordedImage& image) const {
-  const auto units = read_png16(folder_ / image.file);
-  if (!units) return fail(units.error());
-  if (auto ok = check_size(image.file, *units, rig_.depth, "depth"); !ok) return fail(ok.error());
-  DepthImage depth{units->width(), units->height()};
-  std::transform(units->pixels().begin(), units->pixels().end(), depth.pixels().begin(),
-                 [scale = rig_.depth_scale](std::uint16_t unit) { return static_cast<float>(unit * scale); });
+  auto depth = read_depth_units(folder_ / image.file);
+  if (!depth) return fail(depth.error());
+  if (auto ok = check_size(image.file, *depth, rig_.depth, "depth"); !ok) return fail(ok.error());
+  for (float& z : depth->pixels()) z = std::isfinite(z) && z > 0 ? static_cast<float>(z * rig_.depth_scale) : 0.0F;
   return depth;
 }
 

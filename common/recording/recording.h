@@ -51,16 +51,20 @@ class Recording {
   std::optional<Trajectory> ground_truth_;
 };
 
+/// How a recording keeps its depth images: PNG is rounded to the rig's depth_scale, TIFF keeps each float.
+enum class DepthFormat { png16, float_tiff };
+
 /// Writes a recording, image by image; the lists are complete after each one, so that a killed recorder leaves a
 /// recording that can be read. Images must have the rig's sizes, and timestamps must grow in each list.
 class RecordingWriter {
  public:
   /// Makes the folder. Refuses one that holds a recording already.
-  [[nodiscard]] static Result<RecordingWriter> create(const std::filesystem::path& folder, const Rig& rig);
+  [[nodiscard]] static Result<RecordingWriter> create(const std::filesystem::path& folder, const Rig& rig,
+                                                      DepthFormat depth_format = DepthFormat::png16);
 
   [[nodiscard]] Status add_color(double timestamp_s, const ColorImage& image);
-  /// Metres; rounded to units of the rig's depth_scale. What does not fit into 16 bits, and NaN, becomes 0
-  /// (unmeasured).
+  /// Metres, kept in units of the rig's depth_scale. What is no depth (negative, NaN), and what a 16-bit PNG cannot
+  /// hold, becomes 0 (unmeasured).
   [[nodiscard]] Status add_depth(double timestamp_s, const DepthImage& image_m);
   [[nodiscard]] Status add_ground_truth(double timestamp_s, const Pose& T_world_color);
 
@@ -72,14 +76,16 @@ class RecordingWriter {
     double last_s = 0;
   };
 
-  RecordingWriter(Rig rig, std::filesystem::path folder) : rig_{std::move(rig)}, folder_{std::move(folder)} {}
+  RecordingWriter(Rig rig, std::filesystem::path folder, DepthFormat depth_format)
+      : rig_{std::move(rig)}, folder_{std::move(folder)}, depth_format_{depth_format} {}
   [[nodiscard]] Status check_time(const Stream& stream, double timestamp_s) const;
   [[nodiscard]] Status append(Stream& stream, double timestamp_s, const std::string& header, const std::string& line);
-  template <class T>
-  [[nodiscard]] Status add_image(Stream& stream, double timestamp_s, const Image<T>& image);
+  template <class Write>
+  [[nodiscard]] Status add_image(Stream& stream, double timestamp_s, const char* ending, Write write);
 
   Rig rig_;
   std::filesystem::path folder_;
+  DepthFormat depth_format_;
   Stream color_{"rgb"};
   Stream depth_{"depth"};
   Stream ground_truth_{"groundtruth"};

@@ -32,9 +32,20 @@ std::uint16_t units_of(float depth_m, double scale) {
   return units >= 0 && units <= 65535 ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
 }
 
+float float_units_of(float depth_m, double scale) {
+  return std::isfinite(depth_m) && depth_m > 0 ? static_cast<float>(depth_m / scale) : 0.0F;
+}
+
+template <class T, class Convert>
+Image<T> in_units(const DepthImage& image_m, Convert convert) {
+  Image<T> units{image_m.width(), image_m.height()};
+  std::transform(image_m.pixels().begin(), image_m.pixels().end(), units.pixels().begin(), convert);
+  return units;
+}
+
 }  // namespace
 
-Result<RecordingWriter> RecordingWriter::create(const fs::path& folder, const Rig& rig) {
+Result<RecordingWriter> RecordingWriter::create(const fs::path& folder, const Rig& rig, DepthFormat depth_format) {
   std::error_code ignored;
   for (const char* list : {"rgb.txt", "depth.txt"}) {
     if (fs::exists(folder / list, ignored)) {
@@ -45,7 +56,7 @@ Result<RecordingWriter> RecordingWriter::create(const fs::path& folder, const Ri
     if (auto ok = make_folder(folder / name); !ok) return fail(ok.error());
   }
   if (auto ok = write_rig(folder / "rig.yaml", rig); !ok) return fail(ok.error());
-  return RecordingWriter{rig, folder};
+  return RecordingWriter{rig, folder, depth_format};
 }
 
 Status RecordingWriter::check_time(const Stream& stream, double timestamp_s) const {
@@ -62,25 +73,29 @@ Status RecordingWriter::append(Stream& stream, double timestamp_s, const std::st
   return {};
 }
 
-template <class T>
-Status RecordingWriter::add_image(Stream& stream, double timestamp_s, const Image<T>& image) {
+template <class Write>
+Status RecordingWriter::add_image(Stream& stream, double timestamp_s, const char* ending, Write write) {
   if (auto ok = check_time(stream, timestamp_s); !ok) return ok;
-  const auto name = fmt::format("{}/{:06}.png", stream.name, stream.count);
-  if (auto ok = write_png(folder_ / name, image); !ok) return ok;
+  const auto name = fmt::format("{}/{:06}.{}", stream.name, stream.count, ending);
+  if (Status ok = write(folder_ / name); !ok) return ok;
   return append(stream, timestamp_s, "timestamp path", fmt::format("{} {}\n", timestamp_s, name));
 }
 
 Status RecordingWriter::add_color(double timestamp_s, const ColorImage& image) {
   if (auto ok = check_size(image, rig_.color, "color"); !ok) return ok;
-  return add_image(color_, timestamp_s, image);
+  return add_image(color_, timestamp_s, "png", [&](const fs::path& file) { return write_png(file, image); });
 }
 
 Status RecordingWriter::add_depth(double timestamp_s, const DepthImage& image_m) {
   if (auto ok = check_size(image_m, rig_.depth, "depth"); !ok) return ok;
-  Image<std::uint16_t> units{image_m.width(), image_m.height()};
-  std::transform(image_m.pixels().begin(), image_m.pixels().end(), units.pixels().begin(),
-                 [this](float depth_m) { return units_of(depth_m, rig_.depth_scale); });
-  return add_image(depth_, timestamp_s, units);
+  if (depth_format_ == DepthFormat::float_tiff) {
+    const auto units =
+        in_units<float>(image_m, [&](float depth_m) { return float_units_of(depth_m, rig_.depth_scale); });
+    return add_image(depth_, timestamp_s, "tiff", [&](const fs::path& file) { return write_tiff(file, units); });
+  }
+  const auto units =
+      in_units<std::uint16_t>(image_m, [&](float depth_m) { return units_of(depth_m, rig_.depth_scale); });
+  return add_image(depth_, timestamp_s, "png", [&](const fs::path& file) { return write_png(file, units); });
 }
 
 Status RecordingWriter::add_ground_truth(double timestamp_s, const Pose& T_world_color) {

@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "common/base/file.h"
 #include "common/recording/recording.h"
@@ -14,6 +16,16 @@ namespace meshloop {
 namespace {
 
 constexpr double kUnitTolerance = 1e-3;
+// Coefficients of a lens that is not rational.
+constexpr std::size_t kPlainLens = 5;
+
+// k1, k2, p1, p2, k3, and k4, k5, k6 where the lens is rational.
+Status parse_distortion(const YAML::Node& node, const std::string& key, Camera& camera) {
+  if (!node.IsSequence() || (node.size() != kPlainLens && node.size() != camera.distortion.size())) {
+    return fail(fmt::format("'{}' must be a list of {} or {} numbers", key, kPlainLens, camera.distortion.size()));
+  }
+  return read_numbers(node, key, std::span{camera.distortion}.first(node.size()));
+}
 
 Result<Camera> parse_camera(const YAML::Node& node, const std::string& where) {
   if (auto ok = check_keys(node, where, {"width", "height", "fx", "fy", "cx", "cy", "distortion"}); !ok) {
@@ -31,9 +43,7 @@ Result<Camera> parse_camera(const YAML::Node& node, const std::string& where) {
     if (!number) return fail(number.error());
     *value = *number;
   }
-  if (auto ok = read_numbers(node["distortion"], where + ".distortion", camera.distortion); !ok) {
-    return fail(ok.error());
-  }
+  if (auto ok = parse_distortion(node["distortion"], where + ".distortion", camera); !ok) return fail(ok.error());
   if (auto ok = validate(camera); !ok) return fail(where, ok.error());
   return camera;
 }
@@ -65,7 +75,9 @@ Status check_rig(const Rig& rig) {
   if (auto ok = validate(rig); !ok) return ok;
   if (!rig.depth_registered) return {};
   if (!same_camera(rig.color, rig.depth)) {
-    return fail("'depth_registered' is true, so 'depth' must repeat the numbers of 'color'");
+    return fail(
+        "'depth_registered' is true, so 'depth' must repeat the numbers of 'color'; for registered depth of "
+        "another size say false, with that size's intrinsics and no rotation and translation");
   }
   if (!rig.T_depth_color.isApprox(Pose::Identity(), 1e-9)) {
     return fail("'depth_registered' is true, so 'T_depth_color' must be the identity");
@@ -103,8 +115,11 @@ Result<Rig> parse_rig(const YAML::Node& root) {
 
 // Numbers are printed with as many digits as it takes to read the same bits again.
 std::string camera_line(const std::string& name, const Camera& c) {
+  const bool rational =
+      std::any_of(c.distortion.begin() + kPlainLens, c.distortion.end(), [](double k) { return k != 0; });
+  const auto lens = std::span{c.distortion}.first(rational ? c.distortion.size() : kPlainLens);
   return fmt::format("{}: {{width: {}, height: {}, fx: {}, fy: {}, cx: {}, cy: {}, distortion: [{}]}}\n", name, c.width,
-                     c.height, c.fx, c.fy, c.cx, c.cy, fmt::join(c.distortion, ", "));
+                     c.height, c.fx, c.fy, c.cx, c.cy, fmt::join(lens, ", "));
 }
 
 std::string pose_line(const Pose& pose) {
@@ -132,7 +147,7 @@ Status write_rig(const std::filesystem::path& file, const Rig& rig) {
   if (auto ok = check_rig(rig); !ok) return fail(fmt::format("cannot write '{}'", file.string()), ok.error());
   const std::string text =
       camera_line("color", rig.color) + camera_line("depth", rig.depth) +
-      fmt::format("depth_scale: {}  # metres per unit of the 16-bit depth image\n", rig.depth_scale) +
+      fmt::format("depth_scale: {}  # metres per unit of the depth images\n", rig.depth_scale) +
       pose_line(rig.T_depth_color) +
       fmt::format("sensor: {}\ndepth_registered: {}\n", sensor_text(rig.sensor), rig.depth_registered) +
       covariance_text(rig.covariance);

@@ -26,6 +26,7 @@ Status check(const DemoOptions& options) {
   if (!usable(options.station_frames) || !usable(options.device_frames)) {
     return fail("a recording of the demo needs 2 to 100000 frames", ErrorKind::usage);
   }
+  if (auto ok = validate(demo_rig(options)); !ok) return fail(ok.error().message, ErrorKind::usage);
   return {};
 }
 

@@ -6,6 +6,20 @@
 
 namespace meshloop::simulation {
 
+/// The rig that is simulated. Pictures of other sizes keep the Kinect's horizontal angle of view.
+struct DemoRig {
+  struct Size {
+    int width = 640;
+    int height = 480;
+  };
+  Size color;
+  Size depth;
+  /// Depth lies in the colour camera's pixels, and has its size whatever `depth` says.
+  bool registered = false;
+  /// 32-bit float TIFF in metres in place of 16-bit PNG.
+  bool float_depth = false;
+};
+
 struct DemoOptions {
   /// 1: a Kinect's noise; 0: none.
   double noise = 1;
@@ -13,6 +27,7 @@ struct DemoOptions {
   /// Frames of the station's recording (both halves together) and of each recording of the device.
   int station_frames = 120;
   int device_frames = 180;
+  DemoRig rig;
 };
 
 /// Writes below `folder`:

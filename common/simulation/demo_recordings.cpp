@@ -51,6 +51,16 @@ ColorImage color_frame(const Scene& scene, const Camera& camera, const Pose& T_w
   return image;
 }
 
+// focal_px is meant for 640 columns.
+Camera kinect_camera(const DemoRig::Size& size, double focal_px) {
+  const double focal = focal_px * size.width / 640;
+  return {size.width, size.height, focal, focal, (size.width - 1) / 2.0, (size.height - 1) / 2.0, {}};
+}
+
+DepthFormat depth_format(const DemoOptions& options) {
+  return options.rig.float_depth ? DepthFormat::float_tiff : DepthFormat::png16;
+}
+
 std::string truth_line(int index, double depth_s, int half, const Pose& T_world_depth) {
   const Eigen::Vector3d t = T_world_depth.translation();
   const Eigen::Quaterniond q(T_world_depth.linear());
@@ -60,26 +70,32 @@ std::string truth_line(int index, double depth_s, int half, const Pose& T_world_
 
 }  // namespace
 
-Rig demo_rig(double noise) {
+Rig demo_rig(const DemoOptions& options) {
   Rig rig;
-  rig.color = {640, 480, 525, 525, 319.5, 239.5, {}};
-  rig.depth = {640, 480, 585, 585, 319.5, 239.5, {}};
+  rig.color = kinect_camera(options.rig.color, 525);
+  rig.depth = kinect_camera(options.rig.depth, 585);
   const Eigen::Vector3d axis = Eigen::Vector3d(0.3, 1, -0.2).normalized();
   rig.T_depth_color =
       make_pose({0.025, 0.0006, -0.0011}, Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * std::numbers::pi / 180, axis)));
-  if (noise > 0) {
+  if (options.rig.registered) {
+    rig.depth = rig.color;
+    rig.T_depth_color = Pose::Identity();
+    rig.depth_registered = true;
+  }
+  if (options.noise > 0) {
     rig.sensor = SensorModel{SensorModel::Kind::kinect1};
   } else {
     rig.depth_scale = 0.00025;
     rig.sensor = SensorModel{SensorModel::Kind::constant, 0.001};
   }
+  if (options.rig.float_depth) rig.depth_scale = 1;
   return rig;
 }
 
 StationRecording::StationRecording(RecordingWriter writer, fs::path truth, const Scene& before, const Scene& after,
                                    const DemoOptions& options)
     : options_{options},
-      rig_{demo_rig(options.noise)},
+      rig_{demo_rig(options)},
       before_{before},
       after_{after},
       writer_{std::move(writer)},
@@ -88,7 +104,7 @@ StationRecording::StationRecording(RecordingWriter writer, fs::path truth, const
 
 Result<std::unique_ptr<StationRecording>> StationRecording::create(const fs::path& folder, const Scene& before,
                                                                    const Scene& after, const DemoOptions& options) {
-  auto writer = RecordingWriter::create(folder / "station", demo_rig(options.noise));
+  auto writer = RecordingWriter::create(folder / "station", demo_rig(options), depth_format(options));
   if (!writer) return fail(writer.error());
   const fs::path truth = folder / "station_truth";
   std::error_code error;
@@ -140,15 +156,11 @@ Status StationRecording::finish() const {
 
 DeviceRecording::DeviceRecording(RecordingWriter writer, const Scene& scene, const DemoOptions& options,
                                  std::uint64_t noise_seed)
-    : options_{options},
-      rig_{demo_rig(options.noise)},
-      scene_{scene},
-      noise_seed_{noise_seed},
-      writer_{std::move(writer)} {}
+    : options_{options}, rig_{demo_rig(options)}, scene_{scene}, noise_seed_{noise_seed}, writer_{std::move(writer)} {}
 
 Result<std::unique_ptr<DeviceRecording>> DeviceRecording::create(const fs::path& folder, const Scene& scene,
                                                                  const DemoOptions& options, std::uint64_t noise_seed) {
-  auto writer = RecordingWriter::create(folder, demo_rig(options.noise));
+  auto writer = RecordingWriter::create(folder, demo_rig(options));
   if (!writer) return fail(writer.error());
   return std::unique_ptr<DeviceRecording>(new DeviceRecording(std::move(*writer), scene, options, noise_seed));
 }

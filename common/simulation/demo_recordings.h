@@ -15,9 +15,10 @@
 
 namespace meshloop::simulation {
 
-/// The demo's rig: a Kinect's two cameras, 25 mm apart and turned by half a degree. Without noise the depth unit is
-/// 0.25 mm, so that rounding moves a depth by 0.125 mm at most.
-[[nodiscard]] Rig demo_rig(double noise);
+/// The demo's rig: a Kinect's two cameras, 25 mm apart and turned by half a degree, or one pair of eyes when it is
+/// registered. Without noise the depth unit is 0.25 mm, so that rounding moves a depth by 0.125 mm at most; float depth
+/// is in metres.
+[[nodiscard]] Rig demo_rig(const DemoOptions& options);
 
 /// Colour and depth of the station, and the true depth images. The scenes must outlive it.
 class StationRecording {

@@ -1,6 +1,7 @@
 #include "server/adjust/patch.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <span>
@@ -95,6 +96,12 @@ std::vector<Rgb8> color_vertices(const DepthGrid& grid, const Vertices& vertices
   return colors;
 }
 
+// Two triangles a pixel: what is small depends on how many pixels there are.
+std::size_t least_triangles(const AdjustOptions& options, const Camera& camera) {
+  const double scale = camera.width * static_cast<double>(camera.height) / (640.0 * 480.0);
+  return static_cast<std::size_t>(std::lround(static_cast<double>(options.min_patch_triangles) * scale));
+}
+
 }  // namespace
 
 Status validate(const Snapshot& snapshot) {
@@ -120,7 +127,7 @@ Submesh make_patch(const Snapshot& snapshot, RegionId region, const AdjustOption
   if (grid.window.empty()) return {};
   if (options.smooth && worth_smoothing(rig.sensor)) smooth(grid, snapshot.frame->depth);
   auto triangles = triangulate(grid, rig.depth, options.discontinuity_sigmas);
-  drop_small_pieces(triangles, grid.z.size(), options.min_patch_triangles);
+  drop_small_pieces(triangles, grid.z.size(), least_triangles(options, rig.depth));
 
   Submesh patch;
   const Vertices vertices = number_vertices(triangles, grid.z.size());

@@ -44,7 +44,8 @@ struct AdjustOptions {
   /// Triangles may span at most this many sigma of depth between neighbouring pixels, beyond what a surface seen at
   /// 80 degrees would show.
   double discontinuity_sigmas = 4;
-  /// Connected patches with fewer triangles are dropped.
+  /// Connected patches with fewer triangles are dropped: for insertions meant for 640x480 pixels of depth, and scaled
+  /// with the area of other images.
   std::size_t min_patch_triangles = 20;
   /// One bilateral pass over the depth of an inserted patch; skipped for sensors with a constant sigma below 1.5 mm.
   bool smooth = true;

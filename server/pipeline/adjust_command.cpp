@@ -11,7 +11,7 @@
 #include "server/pipeline/commands.h"
 #include "server/pipeline/options.h"
 #include "server/pipeline/result_json.h"
-#include "server/show/overlay.h"
+#include "server/pipeline/views.h"
 
 namespace meshloop {
 namespace {
@@ -22,6 +22,7 @@ struct AdjustArguments {
   std::string frames;
   ThresholdArguments threshold;
   std::string accept;
+  ViewArguments views;
   bool json = false;
 };
 
@@ -65,7 +66,7 @@ nlohmann::json proposal_json(const Proposal& proposal) {
           {"effect", proposal.effect}};
 }
 
-Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const Rig& rig, Examiner& examiner,
+Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const Rig& rig, Examiner& examiner, Views& views,
                     SceneStore& store) {
   nlohmann::json result{{"index", tracked.frame.index}, {"revision", nullptr}, {"proposals", nlohmann::json::array()}};
   if (tracked.depth_pose.state == TrackState::lost) {
@@ -86,10 +87,9 @@ Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const Rig& rig,
                             tracked.frame.index, proposals.size()));
   }
   if (!accepted.empty()) {
-    const auto picture =
-        overlay_on_color(examination->comparison, tracked.frame.depth, tracked.frame.color, rig, &examination->regions,
-                         {.title = fmt::format("frame {}", tracked.frame.index)});
-    const auto acceptance = accept_changes(store, accepted, "adjust", picture);
+    const auto picture = views.on_color(tracked, *examination, fmt::format("frame {}", tracked.frame.index));
+    if (!picture) return fail(picture.error());
+    const auto acceptance = accept_changes(store, accepted, "adjust", *picture);
     if (!acceptance) return fail(acceptance.error());
     result["revision"] = acceptance->info.revision;
     result["triangles_added"] = acceptance->info.triangles_added;
@@ -136,6 +136,9 @@ Status adjust(const AdjustArguments& arguments) {
   auto examiner = Examiner::create(**gpu, frames->rig(), *options);
   if (!examiner) return fail(examiner.error());
 
+  auto views = Views::create(**gpu, frames->rig(), arguments.views);
+  if (!views) return fail(views.error());
+
   int read = 0;
   while (read <= run->frames.back()) {
     auto tracked = frames->next();
@@ -146,7 +149,7 @@ Status adjust(const AdjustArguments& arguments) {
     }
     read = (*tracked)->frame.index + 1;
     if (!std::binary_search(run->frames.begin(), run->frames.end(), read - 1)) continue;
-    if (auto done = adjust_frame(*run, **tracked, frames->rig(), *examiner, **store); !done) return done;
+    if (auto done = adjust_frame(*run, **tracked, frames->rig(), *examiner, *views, **store); !done) return done;
   }
   report(arguments, *run, *(*store)->model());
   return {};
@@ -164,6 +167,7 @@ void add_adjust_command(CLI::App& app, Action& action) {
   arguments->threshold.add_to(*command);
   command->add_option("--accept", arguments->accept,
                       "all, or ids of proposals (1,3); nothing is accepted if not given");
+  arguments->views.add_colors_to(*command);
   command->add_flag("--json", arguments->json, "proposals and revisions as JSON on stdout");
   command->callback([arguments, &action] { action = [arguments] { return adjust(*arguments); }; });
 }

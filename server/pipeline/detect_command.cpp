@@ -16,7 +16,7 @@
 #include "server/pipeline/options.h"
 #include "server/pipeline/region_pictures.h"
 #include "server/pipeline/result_json.h"
-#include "server/show/overlay.h"
+#include "server/pipeline/views.h"
 
 namespace meshloop {
 namespace {
@@ -31,7 +31,7 @@ struct DetectArguments {
   int average = 1;
   std::string out;
   std::string truth;
-  std::string palette = "paper";
+  ViewArguments views;
   bool json = false;
 };
 
@@ -58,28 +58,24 @@ GreyImage label_numbers(const Image<Label>& labels) {
   return numbers;
 }
 
-Palette palette_of(const DetectArguments& arguments) {
-  return arguments.palette == "safe" ? Palette::color_blind_safe : Palette::paper;
+Status write_images(const DetectRun& run, int index, const Comparison& comparison) {
+  const fs::path out = run.arguments.out;
+  auto done = write_tiff(out / numbered("difference", index, "tiff"), comparison.difference_m);
+  return done ? write_png(out / numbered("labels", index, "png"), label_numbers(comparison.labels)) : done;
 }
 
-Status write_pictures(DetectRun& run, const TrackedFrame& tracked, const Examination& examination, const Rig& rig) {
+Status write_views(const DetectRun& run, const TrackedFrame& tracked, const Examination& examination, Views& views) {
   const fs::path out = run.arguments.out;
   const int index = tracked.frame.index;
-  OverlayOptions options;
-  options.palette = palette_of(run.arguments);
-  options.title = fmt::format("frame {}, threshold {}, {}", index, run.arguments.threshold.threshold,
-                              smallest_change_text(examination));
-  const auto& comparison = examination.comparison;
-  const auto on_color =
-      overlay_on_color(comparison, tracked.frame.depth, tracked.frame.color, rig, &examination.regions, options);
-  const auto on_depth = overlay_on_depth(comparison, tracked.frame.depth, options);
-  for (const Status& done : {write_tiff(out / numbered("difference", index, "tiff"), comparison.difference_m),
-                             write_png(out / numbered("labels", index, "png"), label_numbers(comparison.labels)),
-                             write_png(out / numbered("overlay", index, "png"), on_color),
-                             write_png(out / numbered("overlay_depth", index, "png"), on_depth)}) {
-    if (!done) return done;
+  const auto title = fmt::format("frame {}, threshold {}, {}", index, run.arguments.threshold.threshold,
+                                 smallest_change_text(examination));
+  if (views.wants_color()) {
+    const auto picture = views.on_color(tracked, examination, title);
+    if (!picture) return fail(picture.error());
+    if (auto done = write_png(out / numbered("overlay", index, "png"), *picture); !done) return done;
   }
-  return run.pictures.update(tracked, examination, rig, false);
+  if (!views.wants_depth()) return {};
+  return write_png(out / numbered("overlay_depth", index, "png"), views.on_depth(tracked, examination, title));
 }
 
 Result<DepthTruth> read_truth(const fs::path& folder, int frame) {
@@ -106,7 +102,7 @@ Status score_frame(DetectRun& run, const TrackedFrame& tracked, const Examinatio
   return {};
 }
 
-Status detect_frame(DetectRun& run, const TrackedFrame& tracked, const Model& model, const Rig& rig, Examiner& examiner,
+Status detect_frame(DetectRun& run, const TrackedFrame& tracked, const Model& model, Examiner& examiner, Views& views,
                     const AveragedDepth* average = nullptr) {
   nlohmann::json result{{"index", tracked.frame.index}, {"timestamp", tracked.frame.depth_timestamp_s}};
   if (tracked.depth_pose.state == TrackState::lost) {
@@ -117,7 +113,9 @@ Status detect_frame(DetectRun& run, const TrackedFrame& tracked, const Model& mo
   auto examination = examiner.examine(tracked, model, average);
   if (!examination) return fail(fmt::format("frame {}", tracked.frame.index), examination.error());
   if (auto done = score_frame(run, tracked, *examination); !done) return done;
-  if (auto done = write_pictures(run, tracked, *examination, rig); !done) return done;
+  if (auto done = write_images(run, tracked.frame.index, examination->comparison); !done) return done;
+  if (auto done = write_views(run, tracked, *examination, views); !done) return done;
+  if (auto done = run.pictures.update(tracked, *examination, views, false); !done) return done;
   run.total_ms.push_back(examination->total_ms);
   result["state"] = name_of(tracked.depth_pose.state);
   if (average != nullptr) result["averaged_frames"] = average->count;
@@ -193,26 +191,26 @@ Status check_frames(const DetectRun& run, int frames_read) {
 }
 
 // The mean of the frames that were collected, in place of the first one's depth.
-Status detect_average(DetectRun& run, const Model& model, const Rig& rig, Examiner& examiner) {
+Status detect_average(DetectRun& run, const Model& model, Examiner& examiner, Views& views) {
   if (!run.first_of_average) return {};
   const AveragedDepth average = run.average->result();
   TrackedFrame tracked = std::move(*run.first_of_average);
   tracked.frame.depth = average.mean;
   run.average->reset();
   run.first_of_average.reset();
-  return detect_frame(run, tracked, model, rig, examiner, &average);
+  return detect_frame(run, tracked, model, examiner, views, &average);
 }
 
-Status take_frame(DetectRun& run, TrackedFrame tracked, const Model& model, const Rig& rig, Examiner& examiner) {
-  if (!run.average) return detect_frame(run, tracked, model, rig, examiner);
+Status take_frame(DetectRun& run, TrackedFrame tracked, const Model& model, Examiner& examiner, Views& views) {
+  if (!run.average) return detect_frame(run, tracked, model, examiner, views);
   if (auto done = run.average->add(tracked.frame.depth, tracked.depth_pose); !done) {
     return fail(fmt::format("frame {}", tracked.frame.index), done.error());
   }
   if (!run.first_of_average) run.first_of_average = std::move(tracked);
-  return run.average->count() == run.arguments.average ? detect_average(run, model, rig, examiner) : Status{};
+  return run.average->count() == run.arguments.average ? detect_average(run, model, examiner, views) : Status{};
 }
 
-Status process(DetectRun& run, const Model& model, TrackedFrames& frames, Examiner& examiner) {
+Status process(DetectRun& run, const Model& model, TrackedFrames& frames, Examiner& examiner, Views& views) {
   int read = 0;
   for (;;) {
     auto tracked = frames.next();
@@ -224,17 +222,17 @@ Status process(DetectRun& run, const Model& model, TrackedFrames& frames, Examin
     read = (*tracked)->frame.index + 1;
     const bool wanted = run.frames.empty() || std::binary_search(run.frames.begin(), run.frames.end(), read - 1);
     if (wanted) {
-      if (auto done = take_frame(run, std::move(**tracked), model, frames.rig(), examiner); !done) return done;
+      if (auto done = take_frame(run, std::move(**tracked), model, examiner, views); !done) return done;
     }
     if (!run.frames.empty() && read > run.frames.back()) break;
   }
-  return detect_average(run, model, frames.rig(), examiner);  // of what is left
+  return detect_average(run, model, examiner, views);  // of what is left
 }
 
 Status detect(const DetectArguments& arguments) {
   DetectRun run{.arguments = arguments,
                 .frames = {},
-                .pictures = RegionPictures{arguments.out, palette_of(arguments)},
+                .pictures = RegionPictures{arguments.out},
                 .average = std::nullopt,
                 .first_of_average = std::nullopt,
                 .score = std::nullopt,
@@ -261,7 +259,9 @@ Status detect(const DetectArguments& arguments) {
   if (!gpu) return fail(gpu.error());
   auto examiner = Examiner::create(**gpu, frames->rig(), *options);
   if (!examiner) return fail(examiner.error());
-  if (auto done = process(run, *model, *frames, *examiner); !done) return done;
+  auto views = Views::create(**gpu, frames->rig(), arguments.views);
+  if (!views) return fail(views.error());
+  if (auto done = process(run, *model, *frames, *examiner, *views); !done) return done;
   report(run);
   return {};
 }
@@ -283,9 +283,8 @@ void add_detect_command(CLI::App& app, Action& action) {
   command->add_option("--out", arguments->out, "folder for differences, labels, overlays and a picture of each region")
       ->required();
   command->add_option("--truth", arguments->truth, "folder of exact depth images (made by simulate): adds a score");
-  command->add_option("--palette", arguments->palette, "colours of the overlays")
-      ->check(CLI::IsMember({"paper", "safe"}))
-      ->capture_default_str();
+  arguments->views.views = "both";
+  arguments->views.add_to(*command);
   command->add_flag("--json", arguments->json, "results as JSON on stdout");
   command->callback([arguments, &action] { action = [arguments] { return detect(*arguments); }; });
 }

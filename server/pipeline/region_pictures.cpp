@@ -18,7 +18,7 @@ std::string name_of(RegionId id) {
 
 }  // namespace
 
-Status RegionPictures::update(const TrackedFrame& tracked, const Examination& examination, const Rig& rig,
+Status RegionPictures::update(const TrackedFrame& tracked, const Examination& examination, Views& views,
                               bool confirmed_only) {
   std::vector<RegionId> wanted;
   const auto& regions = examination.regions.regions;
@@ -28,8 +28,9 @@ Status RegionPictures::update(const TrackedFrame& tracked, const Examination& ex
     if (better && (region.confirmed || !confirmed_only)) wanted.push_back(region.id);
   }
   if (wanted.empty()) return {};
-  for (const auto& [id, picture] : region_thumbnails(examination.comparison, tracked.frame.depth, tracked.frame.color,
-                                                     rig, examination.regions, wanted, palette_)) {
+  const auto thumbnails = views.thumbnails(tracked, examination, wanted);
+  if (!thumbnails) return fail(thumbnails.error());
+  for (const auto& [id, picture] : *thumbnails) {
     if (auto done = write_png(folder_ / name_of(id), picture); !done) return done;
     const auto region = std::find_if(regions.begin(), regions.end(), [id = id](const Region& r) { return r.id == id; });
     pixels_[id] = region->pixels;

@@ -66,6 +66,7 @@ void add_run_command(CLI::App& app, Action& action) {
       ->capture_default_str();
   command->add_option("--out", arguments->out,
                       "folder for pictures before and after each revision, and of each confirmed region");
+  arguments->station.views.add_to(*command);
   command
       ->add_option("--serve", arguments->station.serve_s,
                    "seconds to go on serving when the source has ended; -1: until Ctrl-C")

@@ -20,6 +20,7 @@ struct Station::Parts {
   Rig rig;
   std::unique_ptr<GpuContext> gpu;
   Examiner examiner;
+  Views views;
   std::unique_ptr<SceneStore> store;
   Publisher publisher;
   std::optional<TrackedPose> previous_pose;
@@ -44,6 +45,8 @@ Result<std::unique_ptr<Station>> Station::create(const StationOptions& options, 
   if (!gpu) return fail(gpu.error());
   auto examiner = Examiner::create(**gpu, rig, options.examiner);
   if (!examiner) return fail(examiner.error());
+  auto views = Views::create(**gpu, rig, options.views);
+  if (!views) return fail(views.error());
   auto store = SceneStore::open(options.scene, false);
   if (!store) return fail(store.error());
   const auto epoch = (*store)->begin_epoch();
@@ -54,6 +57,7 @@ Result<std::unique_ptr<Station>> Station::create(const StationOptions& options, 
                                          .rig = rig,
                                          .gpu = std::move(*gpu),
                                          .examiner = std::move(*examiner),
+                                         .views = std::move(*views),
                                          .store = std::move(*store),
                                          .publisher = Publisher{std::move(*writer), *epoch},
                                          .previous_pose = std::nullopt,
@@ -94,22 +98,33 @@ void Station::publish_or_retry(std::int64_t accepted_ns) {
   parts_->unpublished_ns = done ? std::nullopt : std::optional{accepted_ns};
 }
 
-void Station::write_picture(const char* when, const TrackedFrame& tracked, const Examination& examination) {
+ColorImage Station::draw_color(const TrackedFrame& tracked, const Examination& examination, const std::string& title) {
+  auto picture = parts_->views.on_color(tracked, examination, title);
+  if (picture) return std::move(*picture);
+  log_warning("{}; going on without the picture", picture.error().message);
+  return {};
+}
+
+// `color` is the picture over colour where it has been drawn already.
+void Station::write_pictures(const char* when, const TrackedFrame& tracked, const Examination& examination,
+                             const ColorImage* color) {
   if (parts_->options.out.empty()) return;
   const auto revision = parts_->store->model()->revision;
-  OverlayOptions options;
-  options.title = fmt::format("frame {}, {} revision {}, {}", tracked.frame.index, when, revision,
-                              smallest_change_text(examination));
-  const auto picture = overlay_on_color(examination.comparison, tracked.frame.depth, tracked.frame.color, parts_->rig,
-                                        &examination.regions, options);
-  const auto file = parts_->options.out / fmt::format("revision_{:04}_{}.png", revision, when);
-  if (auto done = write_png(file, picture); !done) log_warning("{}; going on without it", done.error().message);
+  const auto title = fmt::format("frame {}, {} revision {}, {}", tracked.frame.index, when, revision,
+                                 smallest_change_text(examination));
+  const auto write = [&](const char* kind, const ColorImage& picture) {
+    if (picture.empty()) return;
+    const auto file = parts_->options.out / fmt::format("revision_{:04}_{}{}.png", revision, when, kind);
+    if (auto done = write_png(file, picture); !done) log_warning("{}; going on without it", done.error().message);
+  };
+  if (parts_->views.wants_color()) write("", color != nullptr ? *color : draw_color(tracked, examination, title));
+  if (parts_->views.wants_depth()) write("_depth", parts_->views.on_depth(tracked, examination, title));
 }
 
 nlohmann::json Station::confirmed_json(const TrackedFrame& tracked, const Examination& examination) {
   auto& pictures = parts_->region_pictures;
   if (!parts_->options.out.empty()) {
-    if (auto done = pictures.update(tracked, examination, parts_->rig, true); !done) {
+    if (auto done = pictures.update(tracked, examination, parts_->views, true); !done) {
       log_warning("{}; going on without it", done.error().message);
     }
   }
@@ -127,17 +142,16 @@ Status Station::accept(const TrackedFrame& tracked, const Examination& examinati
   const auto proposals = propose_changes(tracked, examination, parts_->rig, *parts_->store);
   const double snapshot_ms = snapshot_watch.milliseconds();
   if (proposals.empty()) return {};
-  OverlayOptions options;
-  options.title = fmt::format("frame {}, {}", tracked.frame.index, smallest_change_text(examination));
-  const auto picture = overlay_on_color(examination.comparison, tracked.frame.depth, tracked.frame.color, parts_->rig,
-                                        &examination.regions, options);
+  const auto title = fmt::format("frame {}, before revision {}, {}", tracked.frame.index,
+                                 parts_->store->model()->revision + 1, smallest_change_text(examination));
+  const ColorImage picture = draw_color(tracked, examination, title);
   auto acceptance = accept_changes(*parts_->store, proposals, "automatic", picture);
   if (!acceptance) return fail("accepting", acceptance.error());
   publish_or_retry(acceptance->info.accepted_ns);
   tell_revision(tracked, *acceptance, snapshot_ms);
   parts_->examiner.model_changed();
   parts_->after_is_due = true;
-  write_picture("before", tracked, examination);
+  write_pictures("before", tracked, examination, &picture);
   return acceptance->info.triangles_removed > 0 ? accept_behind(tracked, examination) : Status{};
 }
 
@@ -190,7 +204,7 @@ Status Station::handle(const TrackedFrame& tracked) {
   tell(std::move(event));
   if (parts_->after_is_due) {
     parts_->after_is_due = false;
-    write_picture("after", tracked, *examination);
+    write_pictures("after", tracked, *examination, nullptr);
   }
   if (confirmed == 0 || wait || !parts_->options.accept_all) return {};
   return accept(tracked, *examination);

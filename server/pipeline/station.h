@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "server/pipeline/adjuster.h"
+#include "server/pipeline/views.h"
 #include "server/publish/publisher.h"
-#include "server/show/overlay.h"
 
 namespace meshloop {
 
@@ -22,6 +22,8 @@ struct StationOptions {
   bool accept_all = false;
   /// Folder for pictures of each revision and of each confirmed region; none when empty.
   std::filesystem::path out;
+  /// How pictures look, and which are written.
+  ViewArguments views;
   /// Seconds to go on serving the scene after the source has ended; negative: until a stop signal.
   double serve_s = 0;
   /// One JSON document a line on stdout for each event, instead of text.
@@ -49,7 +51,11 @@ class Station {
   /// What cannot be sent now (a reader does not keep up) is sent again with the next frame, or while serving.
   void publish_or_retry(std::int64_t accepted_ns);
   [[nodiscard]] nlohmann::json confirmed_json(const TrackedFrame& tracked, const Examination& examination);
-  void write_picture(const char* when, const TrackedFrame& tracked, const Examination& examination);
+  /// Over colour; empty, with a warning, when it cannot be drawn: a picture stops nothing.
+  [[nodiscard]] ColorImage draw_color(const TrackedFrame& tracked, const Examination& examination,
+                                      const std::string& title);
+  void write_pictures(const char* when, const TrackedFrame& tracked, const Examination& examination,
+                      const ColorImage* color);
   void serve();
   void tell(nlohmann::json event) const;
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
+#include <utility>
 
 #include "server/show/blend.h"
 #include "server/show/carry.h"
@@ -68,15 +69,15 @@ ColorImage depth_as_grey(const DepthImage& measured) {
   return grey;
 }
 
-std::vector<show::Mark> marks_of(const RegionMap& regions, const Image<std::uint32_t>& source) {
+// `region_at(x, y)` is the region that a pixel of the picture shows, or 0.
+template <class RegionAt>
+std::vector<show::Mark> marks_of(const RegionMap& regions, int width, int height, RegionAt region_at) {
   std::unordered_map<RegionId, Eigen::AlignedBox2i> boxes;
   RegionId last = 0;
   Eigen::AlignedBox2i* box = nullptr;
-  for (int y = 0; y < source.height(); ++y) {
-    for (int x = 0; x < source.width(); ++x) {
-      const std::uint32_t from = source(x, y);
-      if (from == 0) continue;
-      const RegionId id = regions.ids.data()[from - 1];
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const RegionId id = region_at(x, y);
       if (id == 0) continue;
       if (id != last) box = &boxes[last = id];
       box->extend(Eigen::Vector2i{x, y});
@@ -93,7 +94,8 @@ std::vector<show::Mark> marks_of(const RegionMap& regions, const Image<std::uint
 
 }  // namespace
 
-ColorImage overlay_on_depth(const Comparison& comparison, const DepthImage& measured, const OverlayOptions& options) {
+ColorImage overlay_on_depth(const Comparison& comparison, const DepthImage& measured, const RegionMap* regions,
+                            const OverlayOptions& options) {
   if (!complete(comparison, measured)) return {};
   ColorImage picture = depth_as_grey(measured);
   const show::Paint paint{options};
@@ -103,27 +105,60 @@ ColorImage overlay_on_depth(const Comparison& comparison, const DepthImage& meas
     shown[static_cast<std::size_t>(label)] = true;
     picture.data()[i] = paint.cover(picture.data()[i], label, comparison.difference_m.data()[i]);
   }
-  return show::finish(picture, {}, shown, options);
+  std::vector<show::Mark> marks;
+  if (regions != nullptr && same_size(regions->ids, measured)) {
+    marks = marks_of(*regions, measured.width(), measured.height(), [&](int x, int y) { return regions->ids(x, y); });
+  }
+  return show::finish(picture, marks, shown, options);
 }
 
-ColorImage overlay_on_color(const Comparison& comparison, const DepthImage& measured, const ColorImage& color,
-                            const Rig& rig, const RegionMap* regions, const OverlayOptions& options) {
-  const bool fits = color.width() == rig.color.width && color.height() == rig.color.height && !color.empty() &&
-                    measured.width() == rig.depth.width && measured.height() == rig.depth.height;
-  if (!fits || !complete(comparison, measured)) return {};
-  const auto source = show::carry_to_color(comparison, measured, rig);
+ColorOverlay::ColorOverlay(std::unique_ptr<show::Carrier> carrier) : carrier_{std::move(carrier)} {}
+ColorOverlay::~ColorOverlay() = default;
+ColorOverlay::ColorOverlay(ColorOverlay&& other) noexcept = default;
+ColorOverlay& ColorOverlay::operator=(ColorOverlay&& other) noexcept = default;
+
+Result<ColorOverlay> ColorOverlay::create(GpuContext& context) {
+  auto carrier = show::Carrier::create(context);
+  if (!carrier) return fail(carrier.error());
+  return ColorOverlay{std::move(*carrier)};
+}
+
+Result<Image<std::uint32_t>> ColorOverlay::source_of(const Comparison& comparison, const DepthImage& measured,
+                                                     const Rig& rig) {
+  const bool fits = measured.width() == rig.depth.width && measured.height() == rig.depth.height;
+  if (!fits || !complete(comparison, measured)) {
+    return fail(fmt::format("a view over colour needs depth images of the rig's size, {} x {}", rig.depth.width,
+                            rig.depth.height));
+  }
+  return carrier_->carry(comparison, measured, rig);
+}
+
+Result<ColorImage> ColorOverlay::draw(const Comparison& comparison, const DepthImage& measured, const ColorImage& color,
+                                      const Rig& rig, const RegionMap* regions, const OverlayOptions& options) {
+  if (color.width() != rig.color.width || color.height() != rig.color.height || color.empty()) {
+    return fail(fmt::format("a view over colour needs an image of the rig's size, {} x {}, not {} x {}",
+                            rig.color.width, rig.color.height, color.width(), color.height()));
+  }
+  const auto source = source_of(comparison, measured, rig);
+  if (!source) return fail(source.error());
   ColorImage picture = to_color(to_grey(color));
   const show::Paint paint{options};
   Shown shown{};
   for (std::size_t i = 0; i < picture.size(); ++i) {
-    const std::uint32_t from = source.data()[i];
+    const std::uint32_t from = source->data()[i];
     if (from == 0) continue;
     const Label label = comparison.labels.data()[from - 1];
     shown[static_cast<std::size_t>(label)] = true;
     picture.data()[i] = paint.cover(picture.data()[i], label, comparison.difference_m.data()[from - 1]);
   }
-  const bool mark = regions != nullptr && same_size(regions->ids, measured);
-  return show::finish(picture, mark ? marks_of(*regions, source) : std::vector<show::Mark>{}, shown, options);
+  std::vector<show::Mark> marks;
+  if (regions != nullptr && same_size(regions->ids, measured)) {
+    marks = marks_of(*regions, color.width(), color.height(), [&](int x, int y) -> RegionId {
+      const std::uint32_t from = (*source)(x, y);
+      return from == 0 ? 0 : regions->ids.data()[from - 1];
+    });
+  }
+  return show::finish(picture, marks, shown, options);
 }
 
 }  // namespace meshloop

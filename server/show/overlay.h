@@ -1,8 +1,13 @@
 #pragma once
 // Pictures of a comparison: over the depth image, and over the colour image turned to grey; with legend and colour bar.
+#include <memory>
+#include <string>
+
+#include "common/base/result.h"
 #include "common/change/comparison.h"
 #include "common/change/region.h"
 #include "common/geometry/rig.h"
+#include "common/gpu/context.h"
 #include "common/image/image.h"
 
 namespace meshloop {
@@ -21,15 +26,38 @@ struct OverlayOptions {
   std::string title;
 };
 
-/// Over the measured depth, drawn as grey.
+/// Over the measured depth, drawn as grey. Confirmed regions are framed and numbered when `regions` is not null. Images
+/// of different sizes give an empty picture.
 [[nodiscard]] ColorImage overlay_on_depth(const Comparison& comparison, const DepthImage& measured,
-                                          const OverlayOptions& options);
+                                          const RegionMap* regions, const OverlayOptions& options);
+
+namespace show {
+class Carrier;
+}
 
 /// Over the colour image in grey: each depth pixel is carried into the colour camera (common/geometry/README.md, "From
-/// a depth pixel") as a small surface, visibility resolved by depth. Confirmed regions are framed and numbered when
-/// `regions` is not null.
-[[nodiscard]] ColorImage overlay_on_color(const Comparison& comparison, const DepthImage& measured,
-                                          const ColorImage& color, const Rig& rig, const RegionMap* regions,
-                                          const OverlayOptions& options);
+/// a depth pixel") as a small surface, visibility resolved by depth on the GPU. One thread, that of the context.
+class ColorOverlay {
+ public:
+  [[nodiscard]] static Result<ColorOverlay> create(GpuContext& context);
+  ~ColorOverlay();
+  ColorOverlay(ColorOverlay&& other) noexcept;
+  ColorOverlay& operator=(ColorOverlay&& other) noexcept;
+
+  /// Confirmed regions are framed and numbered when `regions` is not null. Refuses images that have not the rig's
+  /// sizes, and what the graphics driver has no room for.
+  [[nodiscard]] Result<ColorImage> draw(const Comparison& comparison, const DepthImage& measured,
+                                        const ColorImage& color, const Rig& rig, const RegionMap* regions,
+                                        const OverlayOptions& options);
+
+  /// For each pixel of the colour image the position of the depth pixel that is seen there, plus 1; 0 for none. Refuses
+  /// as `draw` does.
+  [[nodiscard]] Result<Image<std::uint32_t>> source_of(const Comparison& comparison, const DepthImage& measured,
+                                                       const Rig& rig);
+
+ private:
+  explicit ColorOverlay(std::unique_ptr<show::Carrier> carrier);
+  std::unique_ptr<show::Carrier> carrier_;
+};
 
 }  // namespace meshloop

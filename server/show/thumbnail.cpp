@@ -4,7 +4,7 @@
 #include <map>
 #include <opencv2/imgproc.hpp>
 
-#include "server/show/carry.h"
+#include "server/show/picture.h"
 #include "server/show/text.h"
 
 namespace meshloop {
@@ -78,14 +78,12 @@ ColorImage draw(cv::Mat color, cv::Mat mask, Rgb8 line) {
 
 }  // namespace
 
-std::vector<RegionThumbnail> region_thumbnails(const Comparison& comparison, const DepthImage& measured,
-                                               const ColorImage& color, const Rig& rig, const RegionMap& regions,
+std::vector<RegionThumbnail> region_thumbnails(const Image<std::uint32_t>& source, const Comparison& comparison,
+                                               const ColorImage& color, const RegionMap& regions,
                                                const std::vector<RegionId>& wanted, Palette palette) {
-  const bool fits = color.width() == rig.color.width && color.height() == rig.color.height && !color.empty() &&
-                    measured.width() == rig.depth.width && measured.height() == rig.depth.height &&
-                    regions.ids.size() == measured.size() && comparison.labels.size() == measured.size();
+  const bool fits = source.width() == color.width() && source.height() == color.height() && !color.empty() &&
+                    regions.ids.size() == comparison.labels.size();
   if (!fits || wanted.empty()) return {};
-  const auto source = show::carry_to_color(comparison, measured, rig);
   ColorImage copy = color;  // OpenCV's view of an image is not const
   const cv::Mat whole = show::wrap(copy);
   std::vector<RegionThumbnail> thumbnails;

@@ -14,9 +14,10 @@ struct RegionThumbnail {
 
 inline constexpr int kThumbnail_px = 192;
 
-/// Of those regions that the colour camera sees. Empty when the images do not have the rig's sizes.
-[[nodiscard]] std::vector<RegionThumbnail> region_thumbnails(const Comparison& comparison, const DepthImage& measured,
-                                                             const ColorImage& color, const Rig& rig,
+/// Of those regions that the colour camera sees. `source`: ColorOverlay::source_of. Empty when images that belong
+/// together do not have one size.
+[[nodiscard]] std::vector<RegionThumbnail> region_thumbnails(const Image<std::uint32_t>& source,
+                                                             const Comparison& comparison, const ColorImage& color,
                                                              const RegionMap& regions,
                                                              const std::vector<RegionId>& wanted, Palette palette);
 

@@ -37,7 +37,7 @@ FeatureSet::Sightings FeatureSet::follow(const GreyImage& image, const std::opti
     const bool usable = p.z() > kNearest_m && rig_.color.contains(rig_.color.project(p));
     guesses.push_back(usable ? rig_.color.project(p) : feature.pixel);
   }
-  const auto tracked = track_points(image_, image, pixels, guesses, {});
+  const auto tracked = track_points(image_, image, pixels, guesses, flow_options_for(image.width()));
   Sightings sightings;
   for (std::size_t i = 0; i < tracked.size(); ++i) {
     if (!tracked[i].found) continue;
@@ -96,7 +96,7 @@ void FeatureSet::add(const DepthInColor& depth, const Pose& T_color_world, const
   if (image_.empty()) return;
   std::vector<Eigen::Vector2d> taken;
   for (const Feature& feature : features_) taken.push_back(feature.pixel);
-  CornerOptions options;
+  CornerOptions options = corner_options_for(image_.width());
   options.max_corners = kWanted - static_cast<int>(features_.size());
   const Pose T_world_color = T_color_world.inverse();
   const PoseCovariance in_world = moved(T_world_color, covariance);

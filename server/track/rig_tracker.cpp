@@ -133,8 +133,7 @@ Estimate MarkerAndFeatureTracker::joint(const Estimate& markers, const std::vect
   for (const MarkerSighting& sighting : seen) {
     for (const Marker& marker : map_->markers) {
       if (marker.id != sighting.id) continue;
-      for (std::size_t k = 0; k < 4; ++k)
-        points.push_back({marker.corners[k], sighting.pixels[k], kMarkerCornerSigmaPx});
+      for (std::size_t k = 0; k < 4; ++k) points.push_back({marker.corners[k], sighting.pixels[k], sighting.sigma_px});
     }
   }
   const auto pose = refine_pose(points, rig_.color, markers.T_color_world, {kLargestErrorPx, kLeastInliers, 20});

@@ -56,7 +56,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       (void)meshloop::read_color_image(as_file("color"));
       break;
     case 4:
-      (void)meshloop::read_png16(as_file("depth.png"));
+      (void)meshloop::read_depth_units(as_file("depth"));
       break;
     case 5:
       (void)meshloop::read_tiff(as_file("difference.tiff"));

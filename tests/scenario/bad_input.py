@@ -79,6 +79,10 @@ refused("an average of a moving camera", 1, *detect("--average", "2", frames="0-
 refused("a calibration of nothing", 2, STATION, "calibrate", "--recording", station, "--out", path / "rig.yaml")
 refused("noise of too few frames", 1, STATION, "calibrate", "--noise", "--recording", station, "--out", path / "rig.yaml",
         says="at least 20")
+refused("a size that is none", 2, STATION, "simulate", "--out", path / "s", "--color-size", "640")
+refused("pictures of four pixels", 2, STATION, "simulate", "--out", path / "s", "--depth-size", "4x4", says="4x4")
+refused("an unknown palette", 2, *detect("--palette", "rainbow"))
+refused("an opacity below nothing", 2, *detect("--opacity=-1"))
 
 print("-- models")
 refused("no such model", 1, *detect(the_model=path / "none.ply"), says="none.ply")
@@ -99,6 +103,17 @@ refused("a rig without depth", 1, *detect(recording=damaged_recording("nodepth",
 refused("depth of another resolution", 1,
         *detect(recording=damaged_recording("size", "rig.yaml", rig.replace("depth: {width: 640, height: 480", "depth: {width: 320, height: 240"))),
         says="640x480")
+def with_rig(name, before, after):
+    return damaged_recording(name, "rig.yaml", rig.replace(before, after, 1))
+
+
+refused("a unit of depth of five kilometres", 1,
+        *detect(recording=with_rig("unit", "depth_scale: 0.00025", "depth_scale: 5000")), says="0.0002")
+refused("a lens with six coefficients", 1, *detect(recording=with_rig("six", "[0, 0, 0, 0, 0]", "[0, 0, 0, 0, 0, 0]")), says="5 or 8")
+refused("a lens that folds the picture over", 1,
+        *detect(recording=with_rig("fold", "[0, 0, 0, 0, 0]", "[-3, 0, 0, 0, 0]")), says="folds")
+refused("registered depth with a camera of its own", 1,
+        *detect(recording=with_rig("registered", "depth_registered: false", "depth_registered: true")), says="must repeat")
 refused("poses that are not numbers", 1, *detect("--poses", write("nan.txt", "1.0 nan 0 0 0 0 0 1\n")), says="nan.txt")
 refused("no such poses", 1, *detect("--poses", path / "none.txt"), says="none.txt")
 refused("markers that are none", 1, *detect("--markers", write("markers.yaml", "dictionary: NO\nmarkers: 7\n")), says="markers.yaml")

@@ -43,6 +43,18 @@ GreyImage chequer(int width, int height, int cell) {
   return image;
 }
 
+TEST(FlowOptions, FollowTheWidthOfThePicture) {
+  EXPECT_EQ(flow_options_for(640).window_px, FlowOptions{}.window_px);
+  EXPECT_EQ(flow_options_for(640).pyramid_levels, FlowOptions{}.pyramid_levels);
+  EXPECT_EQ(corner_options_for(640).min_distance_px, CornerOptions{}.min_distance_px);
+  EXPECT_EQ(flow_options_for(176).window_px, 11);
+  EXPECT_EQ(flow_options_for(176).pyramid_levels, 3);
+  EXPECT_NEAR(corner_options_for(160).min_distance_px, 5, 1e-12);
+  EXPECT_EQ(flow_options_for(1280).window_px, FlowOptions{}.window_px);
+  EXPECT_EQ(flow_options_for(1280).pyramid_levels, 5);
+  EXPECT_GT(flow_options_for(0).window_px, 0);
+}
+
 TEST(FindCorners, FindsThemWhereAChequerHasThem) {
   const auto corners = find_corners(chequer(200, 160, 40), {}, {}, {});
   EXPECT_EQ(corners.size(), 12U);

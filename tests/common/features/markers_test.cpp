@@ -122,6 +122,32 @@ void add_errors(CornerErrors& errors, const GreyImage& image, const MarkerMap& m
   }
 }
 
+TEST(MarkerDetector, SaysWhichCornersAreRough) {
+  const Wall wall = four_markers();
+  const auto sightings_at = [&](double distance) {
+    const GreyImage image = test::render_planes(wall.planes, test::vga_camera(), view_of_wall(distance, 0.1, 0)).image;
+    return make_detector().detect(image);
+  };
+  const auto near = sightings_at(1);
+  ASSERT_EQ(near.size(), 4u);
+  for (const auto& sighting : near) EXPECT_EQ(sighting.sigma_px, kMarkerCornerSigmaPx);
+  const auto far = sightings_at(8.5);  // a cell is 1.2 pixels wide
+  ASSERT_FALSE(far.empty());
+  for (const auto& sighting : far) EXPECT_EQ(sighting.sigma_px, kRoughCornerSigmaPx);
+}
+
+TEST(MarkerPose, RoughCornersStateALargerUncertainty) {
+  const Wall wall = four_markers();
+  const Pose truth = view_of_wall(1.2, 0.3);
+  auto sightings = ideal_sightings(wall.map, truth, 0, 1);
+  const auto fine = pose_from_markers(sightings, wall.map, test::vga_camera(), std::nullopt);
+  for (auto& sighting : sightings) sighting.sigma_px = kRoughCornerSigmaPx;
+  const auto rough = pose_from_markers(sightings, wall.map, test::vga_camera(), std::nullopt);
+  ASSERT_TRUE(fine && rough);
+  const double ratio = kRoughCornerSigmaPx / kMarkerCornerSigmaPx;
+  EXPECT_NEAR(rough->covariance.trace() / fine->covariance.trace(), ratio * ratio, 0.01 * ratio * ratio);
+}
+
 TEST(MarkerDetector, CornersLieWhereTheyProject) {
   const Wall wall = four_markers();
   CornerErrors clean;

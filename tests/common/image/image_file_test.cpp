@@ -36,6 +36,8 @@ TEST(ImageFile, SixteenBitPngKeepsEveryValueAndStoresBigEndian) {
   for (std::size_t i = 0; i < image.size(); ++i) image.pixels()[i] = static_cast<std::uint16_t>(i);
   ASSERT_TRUE(write_png(folder / "a.png", image));
   EXPECT_EQ(read_png16(folder / "a.png").value(), image);
+  const auto units = read_depth_units(folder / "a.png").value();
+  for (std::size_t i = 0; i < image.size(); ++i) EXPECT_EQ(units.pixels()[i], image.pixels()[i]);
   // Read as 8 bits a reader sees the high byte, so its place in the file is right.
   EXPECT_EQ(read_color_image(folder / "a.png").value()(0, 0x12).r, 0x12);
 }

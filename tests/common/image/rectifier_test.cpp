@@ -67,6 +67,21 @@ TEST(Rectifier, PixelsFromOutsideAreBlackAndUnmeasured) {
   EXPECT_EQ(depth(80, 60), 3);
 }
 
+// Without the limit the formula would turn back and show the picture's middle once more around its rim.
+TEST(Rectifier, NothingIsShownTwiceBeyondTheLens) {
+  Camera camera = bent_camera();
+  camera.distortion = {-0.9, 0, 0, 0, 0};
+  const double limit_px = camera.lens_limit() * camera.fx;
+  ASSERT_LT(limit_px, 90);
+  const DepthImage depth = Rectifier{camera}.rectify(DepthImage{camera.width, camera.height, 3});
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const double radius_px = std::hypot(x - camera.cx, (y - camera.cy) * camera.fx / camera.fy);
+      EXPECT_EQ(depth(x, y), radius_px <= limit_px ? 3.0f : 0.0f) << x << " " << y;
+    }
+  }
+}
+
 TEST(Rectifier, APerfectLensLeavesEveryBit) {
   const Camera camera = bent_camera().without_distortion();
   const ColorImage color = noisy_gradient(camera.width, camera.height);

@@ -91,6 +91,30 @@ TEST_F(RecordingFolder, DepthIsRoundedToUnitsAndWhatDoesNotFitIsUnmeasured) {
   for (int i = 0; i < 8; ++i) EXPECT_EQ(units(i, 0), expected[i]) << values[i];
 }
 
+TEST_F(RecordingFolder, FloatDepthKeepsEachValueAndWhatIsNoDepthIsUnmeasured) {
+  Rig rig = small_rig();
+  rig.depth_scale = 0.5;
+  auto writer = RecordingWriter::create(folder_ / "float", rig, DepthFormat::float_tiff).value();
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  DepthImage depth{32, 24};
+  depth(0, 0) = 1.2345678f;
+  depth(1, 0) = -1;
+  depth(2, 0) = kNaN;
+  ASSERT_TRUE(writer.add_depth(0, depth));
+  ASSERT_TRUE(writer.add_color(0, color_of(1)));
+  EXPECT_EQ(Recording::open(folder_ / "float")->read_frame(0)->depth(0, 0), 1.2345678f);
+  Image<float> foreign{32, 24, 4.5f};  // as another program may write it, in halves of a metre
+  foreign(1, 0) = -kInfinity;
+  foreign(2, 0) = kNaN;
+  foreign(3, 0) = kInfinity;
+  ASSERT_TRUE(write_tiff(folder_ / "float/depth/000000.tiff", foreign));
+  const auto frame = Recording::open(folder_ / "float")->read_frame(0);
+  ASSERT_TRUE(frame) << frame.error().message;
+  EXPECT_EQ(frame->depth(0, 0), 2.25f);
+  for (int x = 1; x < 4; ++x) EXPECT_EQ(frame->depth(x, 0), 0.0f) << x;
+}
+
 TEST_F(RecordingFolder, AFrameTakesTheColorNearestInTime) {
   ASSERT_EQ(error_with("rgb.txt", "-0.02 rgb/000000.png\n0.02 rgb/000001.png\n0.05 rgb/000002.png\n"), "no error");
   const auto recording = Recording::open(path_);
@@ -123,6 +147,8 @@ TEST_F(RecordingFolder, DamagedAndMissingImagesAreErrorsOfTheirFrameOnly) {
   EXPECT_THAT(recording->read_frame(0).error().message, HasSubstr("depth/000000.png"));
   EXPECT_THAT(recording->read_frame(1).error().message, HasSubstr("rgb/000001.png"));
   EXPECT_TRUE(recording->read_frame(2));
+  ASSERT_TRUE(write_text_file(path_ / "depth/000002.png", "P5 depth"));
+  EXPECT_THAT(recording->read_frame(2).error().message, HasSubstr("neither 16-bit PNG nor float TIFF"));
   EXPECT_THAT(recording->read_frame(3).error().message, HasSubstr("from 0 to 2"));
   EXPECT_FALSE(recording->read_frame(-1));
   EXPECT_FALSE(recording->read_color(3));

@@ -41,7 +41,7 @@ TEST_F(RigFile, ReadsTheDocumentedExample) {
   const auto rig = read(kExample);
   ASSERT_TRUE(rig) << rig.error().message;
   EXPECT_EQ(rig->color.width, 640);
-  EXPECT_EQ(rig->color.distortion, (std::array{0.1, -0.2, 0.001, 0.002, 0.3}));
+  EXPECT_EQ(rig->color.distortion, (std::array{0.1, -0.2, 0.001, 0.002, 0.3, 0.0, 0.0, 0.0}));
   EXPECT_EQ(rig->depth.cy, 119.5);
   EXPECT_EQ(rig->depth_scale, 0.001);
   EXPECT_EQ(rig->T_depth_color.translation(), Eigen::Vector3d(-0.025, 0, 0.001));
@@ -143,6 +143,18 @@ TEST_F(RigFile, CovarianceThatIsNoneIsRefused) {
               HasSubstr("negative eigenvalue"));
 }
 
+TEST_F(RigFile, ARationalLensHasEightCoefficients) {
+  const auto rig = read(replaced(kExample, "[0, 0, 0, 0, 0]", "[0.6, 0.3, 0, 0, 0.05, 0.9, 0.4, 0.1]"));
+  ASSERT_TRUE(rig) << rig.error().message;
+  EXPECT_EQ(rig->depth.distortion, (std::array{0.6, 0.3, 0.0, 0.0, 0.05, 0.9, 0.4, 0.1}));
+  ASSERT_TRUE(write_rig(file_, *rig));
+  EXPECT_EQ(read_rig(file_)->depth.distortion, rig->depth.distortion);
+  const auto text = read_text_file(file_, 10'000);
+  ASSERT_TRUE(text);
+  EXPECT_THAT(*text, HasSubstr("distortion: [0.1, -0.2, 0.001, 0.002, 0.3]"));  // the plain one stays plain
+  EXPECT_THAT(error_of("[0, 0, 0, 0, 0]", "[0, 0, 0, 0, 0, 0, 0]"), HasSubstr("5 or 8"));
+}
+
 TEST_F(RigFile, EveryMissingKeyIsNamedWithTheFile) {
   for (const char* key : {"depth_scale", "T_depth_color", "sensor", "depth_registered", "color", "depth"}) {
     std::string text = kExample;
@@ -172,7 +184,8 @@ TEST_F(RigFile, WrongTypesAndNumbersNameTheKey) {
   EXPECT_THAT(error_of("fx: 525.0", "fx: [1]"), HasSubstr("'color.fx' must be a number"));
   EXPECT_THAT(error_of("fx: 525.0", "fx: -525.0"), HasSubstr("color: fx and fy must be positive"));
   EXPECT_THAT(error_of("width: 640", "width: 9000"), HasSubstr("9000x480"));
-  EXPECT_THAT(error_of("[0, 0, 0, 0, 0]", "[0, 0, 0, 0]"), HasSubstr("'depth.distortion' must be a list of 5 numbers"));
+  EXPECT_THAT(error_of("[0, 0, 0, 0, 0]", "[0, 0, 0, 0]"),
+              HasSubstr("'depth.distortion' must be a list of 5 or 8 numbers"));
   EXPECT_THAT(error_of("[0, 0, 0, 0, 0]", "[0, 0, a, 0, 0]"), HasSubstr("'depth.distortion[2]'"));
   EXPECT_THAT(error_of("depth_scale: 0.001", "depth_scale: 0"), HasSubstr("depth_scale must be positive"));
   EXPECT_THAT(error_of("[0, 0, 0, 1]", "[0, 0, 0, 1.1]"), HasSubstr("must have length 1"));

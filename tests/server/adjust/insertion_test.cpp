@@ -118,6 +118,24 @@ TEST(Insertion, DropsSmallPieces) {
   EXPECT_FALSE(insertion_patch(world->snapshot(), id, all).triangles.empty());
 }
 
+TEST(Insertion, WhatIsSmallFollowsTheSizeOfTheImage) {
+  const Box speck{{0, 0, 1.5}, {0.012, 0.012, 1.6}};
+  auto world = make_world({kWall, speck}, Pose::Identity());
+  const auto id = world->region(ChangeKind::insertion).id;
+  const auto size = [&] {
+    AdjustOptions all;
+    all.min_patch_triangles = 1;
+    return insertion_patch(world->snapshot(), id, all).triangles.size();
+  }();
+  const auto pixels = static_cast<double>(world->frame.depth.size());
+  AdjustOptions options;
+  // As many at 640x480 as this patch would have there.
+  options.min_patch_triangles = static_cast<std::size_t>(static_cast<double>(size) * 640 * 480 / pixels);
+  EXPECT_FALSE(insertion_patch(world->snapshot(), id, options).triangles.empty());
+  options.min_patch_triangles = static_cast<std::size_t>(static_cast<double>(size + 1) * 640 * 480 / pixels);
+  EXPECT_TRUE(insertion_patch(world->snapshot(), id, options).triangles.empty());
+}
+
 TEST(Insertion, TakesUnmodelledPixels) {
   Box unknown_wall = kWall;
   unknown_wall.node = 0;

@@ -1,10 +1,14 @@
 #include "server/show/overlay.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
 
 #include "server/show/blend.h"
 
@@ -53,7 +57,7 @@ TEST(OverlayOnDepth, NearIsBright) {
     for (int x = 32; x < 64; ++x) measured(x, y) = 3.0f;
   }
   measured(0, 0) = 60.0f;  // one wrong measurement does not take the contrast
-  const auto picture = overlay_on_depth(c, measured, plain());
+  const auto picture = overlay_on_depth(c, measured, nullptr, plain());
   EXPECT_EQ(count_colored(picture), 0u);
   EXPECT_GT(picture(10, 20).r, 200);
   EXPECT_LT(picture(50, 20).r, 70);
@@ -67,7 +71,7 @@ TEST(OverlayOnDepth, EachLabelHasItsColorInBothPalettes) {
       options.palette = palette;
       options.constant_alpha = 1;
       const auto c = make_comparison(32, 24, label.label, 0.5f);
-      const Rgb8 p = overlay_on_depth(c, DepthImage{32, 24, 1.0f}, options)(5, 5);
+      const Rgb8 p = overlay_on_depth(c, DepthImage{32, 24, 1.0f}, nullptr, options)(5, 5);
       if (label.opacity == Opacity::by_difference || label.label == Label::unmodelled) {
         EXPECT_EQ(p, show::color_of(label.label, palette)) << label.name;
       } else {
@@ -81,30 +85,27 @@ TEST(OverlayOnDepth, IsTheRightWayUp) {
   auto c = make_comparison(64, 48, Label::agrees, 0);
   c.labels(3, 2) = Label::closer;
   c.difference_m(3, 2) = -1;
-  const auto picture = overlay_on_depth(c, DepthImage{64, 48, 1.0f}, plain());
+  const auto picture = overlay_on_depth(c, DepthImage{64, 48, 1.0f}, nullptr, plain());
   EXPECT_EQ(picture(3, 2), info(Label::closer).paper_color);
   EXPECT_EQ(count_colored(picture), 1u);
 }
 
 TEST(OverlayOnDepth, AFrameWithoutAnyMeasurementIsDrawn) {
   const auto c = make_comparison(64, 48, Label::unmeasured, kNaN);
-  const auto picture = overlay_on_depth(c, DepthImage{64, 48, 0.0f}, plain());
+  const auto picture = overlay_on_depth(c, DepthImage{64, 48, 0.0f}, nullptr, plain());
   EXPECT_EQ(count_colored(picture), 64u * 48u);
 }
 
 TEST(Overlay, ImagesOfDifferentSizesGiveNoPicture) {
   const auto c = make_comparison(64, 48, Label::agrees, 0);
-  const Rig rig = make_rig(64, 48);
-  EXPECT_TRUE(overlay_on_depth(c, DepthImage{32, 24, 1.0f}, {}).empty());
-  EXPECT_TRUE(overlay_on_depth({}, {}, {}).empty());
-  EXPECT_TRUE(overlay_on_color(c, DepthImage{64, 48, 1.0f}, ColorImage{32, 24}, rig, nullptr, {}).empty());
-  EXPECT_TRUE(overlay_on_color(c, DepthImage{32, 24, 1.0f}, ColorImage{64, 48}, rig, nullptr, {}).empty());
+  EXPECT_TRUE(overlay_on_depth(c, DepthImage{32, 24, 1.0f}, nullptr, {}).empty());
+  EXPECT_TRUE(overlay_on_depth({}, {}, nullptr, {}).empty());
 }
 
 TEST(Overlay, NarrowPicturesWithALegendAreEnlargedByAWholeNumber) {
   for (const auto& [width, height, factor] : {std::array{176, 144, 4}, {320, 240, 2}, {640, 480, 1}, {1280, 720, 1}}) {
     const auto c = make_comparison(width, height, Label::closer, -1);
-    const auto picture = overlay_on_depth(c, DepthImage{width, height, 1.0f}, {});
+    const auto picture = overlay_on_depth(c, DepthImage{width, height, 1.0f}, nullptr, {});
     EXPECT_EQ(picture.width(), width * factor);
     EXPECT_GT(picture.height(), height * factor + 40);
     EXPECT_LT(picture.height(), height * factor + 240);
@@ -112,7 +113,37 @@ TEST(Overlay, NarrowPicturesWithALegendAreEnlargedByAWholeNumber) {
   }
 }
 
-TEST(OverlayOnColor, EachDepthPixelLandsWhereTheColorCameraSeesIt) {
+class OverlayOnColor : public testing::Test {
+ protected:
+  void SetUp() override {
+    auto gpu = GpuContext::create_headless();
+    ASSERT_TRUE(gpu) << gpu.error().message;
+    gpu_ = std::move(*gpu);
+    auto overlay = ColorOverlay::create(*gpu_);
+    ASSERT_TRUE(overlay) << overlay.error().message;
+    overlay_.emplace(std::move(*overlay));
+  }
+  ColorImage draw(const Comparison& comparison, const DepthImage& measured, const ColorImage& color, const Rig& rig,
+                  const RegionMap* regions, const OverlayOptions& options) {
+    auto picture = overlay_->draw(comparison, measured, color, rig, regions, options);
+    EXPECT_TRUE(picture) << picture.error().message;
+    return picture ? std::move(*picture) : ColorImage{};
+  }
+
+  std::unique_ptr<GpuContext> gpu_;
+  std::optional<ColorOverlay> overlay_;
+};
+
+TEST_F(OverlayOnColor, RefusesImagesThatHaveNotTheRigsSizes) {
+  const auto c = make_comparison(64, 48, Label::agrees, 0);
+  const Rig rig = make_rig(64, 48);
+  const auto small_color = overlay_->draw(c, DepthImage{64, 48, 1.0f}, ColorImage{32, 24}, rig, nullptr, {});
+  EXPECT_THAT(small_color.error().message, testing::HasSubstr("64 x 48"));
+  EXPECT_FALSE(overlay_->draw(c, DepthImage{32, 24, 1.0f}, ColorImage{64, 48}, rig, nullptr, {}));
+  EXPECT_FALSE(overlay_->draw({}, DepthImage{64, 48, 1.0f}, ColorImage{64, 48}, rig, nullptr, {}));
+}
+
+TEST_F(OverlayOnColor, EachDepthPixelLandsWhereTheColorCameraSeesIt) {
   Rig rig = make_rig(320, 240);
   rig.color = {640, 480, 525, 525, 319.5, 239.5, {}};
   rig.T_depth_color =
@@ -121,7 +152,7 @@ TEST(OverlayOnColor, EachDepthPixelLandsWhereTheColorCameraSeesIt) {
   const DepthImage measured{320, 240, 2.0f};
   c.labels(100, 90) = Label::farther;
   c.difference_m(100, 90) = 1;
-  const auto picture = overlay_on_color(c, measured, ColorImage{640, 480, {90, 90, 90}}, rig, nullptr, plain());
+  const auto picture = draw(c, measured, ColorImage{640, 480, {90, 90, 90}}, rig, nullptr, plain());
   const auto expected = rig.color.project(rig.T_depth_color.inverse() * rig.depth.back_project(100, 90, 2.0));
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   int count = 0;
@@ -138,7 +169,7 @@ TEST(OverlayOnColor, EachDepthPixelLandsWhereTheColorCameraSeesIt) {
   EXPECT_LT((sum / count - expected).norm(), 1.0);
 }
 
-TEST(OverlayOnColor, LeavesNoHolesOnASurface) {
+TEST_F(OverlayOnColor, LeavesNoHolesOnASurface) {
   Rig rig = make_rig(320, 240);
   rig.color = {640, 480, 500, 500, 319.5, 239.5, {}};
   rig.T_depth_color = make_pose({0.05, 0, 0}, Eigen::Quaterniond{Eigen::AngleAxisd{0.02, Eigen::Vector3d::UnitZ()}});
@@ -147,13 +178,13 @@ TEST(OverlayOnColor, LeavesNoHolesOnASurface) {
   for (int y = 0; y < 240; ++y) {
     for (int x = 0; x < 320; ++x) measured(x, y) = 1.0f / (0.5f + 0.001f * static_cast<float>(x));  // a slanted plane
   }
-  const auto picture = overlay_on_color(c, measured, ColorImage{640, 480, {90, 90, 90}}, rig, nullptr, plain());
+  const auto picture = draw(c, measured, ColorImage{640, 480, {90, 90, 90}}, rig, nullptr, plain());
   for (int y = 80; y < 400; ++y) {
     for (int x = 150; x < 500; ++x) ASSERT_FALSE(is_grey(picture(x, y))) << x << ", " << y;
   }
 }
 
-TEST(OverlayOnColor, ANearSurfaceHidesWhatLiesBehind) {
+TEST_F(OverlayOnColor, ANearSurfaceHidesWhatLiesBehind) {
   // The depth camera sees a changed wall beside a post; the colour camera, 20 cm to the right, sees the post before it.
   Rig rig = make_rig(320, 240);
   rig.T_depth_color = make_pose({0.2, 0, 0}, Eigen::Quaterniond::Identity());
@@ -165,7 +196,7 @@ TEST(OverlayOnColor, ANearSurfaceHidesWhatLiesBehind) {
       c.labels(x, y) = Label::agrees;
     }
   }
-  const auto picture = overlay_on_color(c, measured, ColorImage{320, 240, {90, 90, 90}}, rig, nullptr, plain());
+  const auto picture = draw(c, measured, ColorImage{320, 240, {90, 90, 90}}, rig, nullptr, plain());
   const auto column = [&](int u, double z) {
     return static_cast<int>(
         std::lround(rig.color.project(rig.T_depth_color.inverse() * rig.depth.back_project(u, 120, z)).x()));
@@ -174,7 +205,7 @@ TEST(OverlayOnColor, ANearSurfaceHidesWhatLiesBehind) {
   EXPECT_FALSE(is_grey(picture(column(100, 3), 120)));
 }
 
-TEST(OverlayOnColor, UnmeasuredPixelsShowOnTheExpectedSurface) {
+TEST_F(OverlayOnColor, UnmeasuredPixelsShowOnTheExpectedSurface) {
   const Rig rig = make_rig(320, 240);
   auto c = make_comparison(320, 240, Label::agrees, 0);
   DepthImage measured{320, 240, 2.0f};
@@ -185,13 +216,29 @@ TEST(OverlayOnColor, UnmeasuredPixelsShowOnTheExpectedSurface) {
       if (x >= 120) c.expected(x, y) = 0;  // no model either: the place is not known
     }
   }
-  const auto picture = overlay_on_color(c, measured, ColorImage{320, 240, {90, 90, 90}}, rig, nullptr, plain());
+  const auto picture = draw(c, measured, ColorImage{320, 240, {90, 90, 90}}, rig, nullptr, plain());
   EXPECT_FALSE(is_grey(picture(110, 120)));
   EXPECT_TRUE(is_grey(picture(130, 120)));
   EXPECT_TRUE(is_grey(picture(90, 120)));
 }
 
-TEST(OverlayOnColor, FramesConfirmedRegionsOnly) {
+TEST(OverlayOnDepth, FramesConfirmedRegions) {
+  const auto c = make_comparison(640, 480, Label::agrees, 0);
+  RegionMap regions;
+  regions.ids = Image<RegionId>{640, 480};
+  for (int y = 200; y < 260; ++y) {
+    for (int x = 200; x < 300; ++x) regions.ids(x, y) = 3;
+  }
+  Region region;
+  region.id = 3;
+  regions.regions = {region};
+  const DepthImage measured{640, 480, 2.0f};
+  EXPECT_EQ(overlay_on_depth(c, measured, &regions, plain()), overlay_on_depth(c, measured, nullptr, plain()));
+  regions.regions[0].confirmed = true;
+  EXPECT_EQ(overlay_on_depth(c, measured, &regions, plain())(198, 230), (Rgb8{255, 255, 255}));
+}
+
+TEST_F(OverlayOnColor, FramesConfirmedRegionsOnly) {
   const Rig rig = make_rig(640, 480);
   const auto c = make_comparison(640, 480, Label::agrees, 0);
   RegionMap regions;
@@ -205,16 +252,16 @@ TEST(OverlayOnColor, FramesConfirmedRegionsOnly) {
   regions.regions = {region};
   const DepthImage measured{640, 480, 2.0f};
   const ColorImage color{640, 480, {90, 90, 90}};
-  const auto plain_picture = overlay_on_color(c, measured, color, rig, nullptr, plain());
-  EXPECT_EQ(overlay_on_color(c, measured, color, rig, &regions, plain()), plain_picture);
+  const auto plain_picture = draw(c, measured, color, rig, nullptr, plain());
+  EXPECT_EQ(draw(c, measured, color, rig, &regions, plain()), plain_picture);
   regions.regions[0].confirmed = true;
-  const auto framed = overlay_on_color(c, measured, color, rig, &regions, plain());
+  const auto framed = draw(c, measured, color, rig, &regions, plain());
   EXPECT_EQ(framed(198, 230), (Rgb8{255, 255, 255}));
   EXPECT_EQ(framed(250, 230), (Rgb8{90, 90, 90}));
   EXPECT_EQ(framed(400, 230), (Rgb8{90, 90, 90}));
 }
 
-TEST(OverlayOnColor, RegionsAtTheBordersAndManyOfThemAreDrawn) {
+TEST_F(OverlayOnColor, RegionsAtTheBordersAndManyOfThemAreDrawn) {
   const Rig rig = make_rig(64, 48);
   const auto c = make_comparison(64, 48, Label::closer, -0.1f);
   RegionMap regions;
@@ -230,16 +277,16 @@ TEST(OverlayOnColor, RegionsAtTheBordersAndManyOfThemAreDrawn) {
     region.confirmed = true;
     regions.regions.push_back(region);
   }
-  EXPECT_FALSE(overlay_on_color(c, DepthImage{64, 48, 2.0f}, ColorImage{64, 48}, rig, &regions, {}).empty());
-  EXPECT_FALSE(overlay_on_color(c, DepthImage{64, 48, 2.0f}, ColorImage{64, 48}, rig, &regions, plain()).empty());
+  EXPECT_FALSE(draw(c, DepthImage{64, 48, 2.0f}, ColorImage{64, 48}, rig, &regions, {}).empty());
+  EXPECT_FALSE(draw(c, DepthImage{64, 48, 2.0f}, ColorImage{64, 48}, rig, &regions, plain()).empty());
 }
 
-TEST(OverlayOnColor, IgnoresImpossibleDepths) {
+TEST_F(OverlayOnColor, IgnoresImpossibleDepths) {
   const Rig rig = make_rig(64, 48);
   const auto c = make_comparison(64, 48, Label::closer, -0.1f);
   for (const float z : {kNaN, -1.0f, std::numeric_limits<float>::infinity(), 1e-30f, 1e30f}) {
-    EXPECT_FALSE(overlay_on_color(c, DepthImage{64, 48, z}, ColorImage{64, 48}, rig, nullptr, plain()).empty());
-    EXPECT_FALSE(overlay_on_depth(c, DepthImage{64, 48, z}, plain()).empty());
+    EXPECT_FALSE(draw(c, DepthImage{64, 48, z}, ColorImage{64, 48}, rig, nullptr, plain()).empty());
+    EXPECT_FALSE(overlay_on_depth(c, DepthImage{64, 48, z}, nullptr, plain()).empty());
   }
 }
 

@@ -3,18 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <numeric>
 #include <vector>
 
 namespace meshloop {
 namespace {
 
-// A registered rig before a wall, with a square region.
+// Depth and colour of one size, pixel by pixel, of a wall with a square region.
 class Thumbnail : public testing::Test {
  protected:
   Thumbnail() {
-    rig_.color = {160, 120, 140, 140, 79.5, 59.5, {}};
-    rig_.depth = rig_.color;
-    rig_.depth_registered = true;
+    std::iota(source_.pixels().begin(), source_.pixels().end(), 1U);
     comparison_ = {Image<Label>(160, 120, Label::agrees), Image<float>(160, 120, 0.0F), DepthImage(160, 120, 2.0F),
                    Image<std::uint32_t>(160, 120, 1U), Image<float>(160, 120, 0.02F)};
     regions_.ids = Image<RegionId>(160, 120);
@@ -32,13 +31,12 @@ class Thumbnail : public testing::Test {
     regions_.regions.push_back(region);
   }
   std::vector<RegionThumbnail> thumbnails(const std::vector<RegionId>& wanted) const {
-    return region_thumbnails(comparison_, measured_, color_, rig_, regions_, wanted, Palette::paper);
+    return region_thumbnails(source_, comparison_, color_, regions_, wanted, Palette::paper);
   }
 
-  Rig rig_;
+  Image<std::uint32_t> source_{160, 120};
   Comparison comparison_;
   RegionMap regions_;
-  DepthImage measured_{160, 120, 2.0F};
   ColorImage color_{160, 120, Rgb8{40, 50, 60}};
 };
 
