@@ -9,6 +9,8 @@ set(MESHLOOP_VENDOR_ROOMS
   "^(spng|turbojpeg|tiffio)|^common/image/"
   "^meshoptimizer|^common/gpu/"
   "^assimp/|^common/interchange/"
+  "^expat|^common/interchange/"
+  "[.]hxx$|^common/interchange/step_reader[.]cpp$"
   "^yaml-cpp/|^common/recording/"
   "^sqlite3|^server/store/"
   "^OpenNI|^server/capture/"
