@@ -7,6 +7,7 @@
 #include "common/interchange/isolated_import.h"
 #include "common/interchange/model_file.h"
 #include "common/interchange/read_file.h"
+#include "common/interchange/shape_import.h"
 #include "common/mesh/lattice.h"
 
 namespace meshloop {
@@ -91,7 +92,7 @@ std::string to_text(const LengthUnit& unit) {
 }
 
 std::string model_file_kinds() {
-  std::string kinds = "OBJ, PLY, STL, OFF, glTF, GLB, X3D or VRML 97";
+  std::string kinds = "OBJ, PLY, STL, OFF, glTF, GLB, X3D, VRML 97 (.wrl), or shapes (.yaml)";
 #ifdef MESHLOOP_STEP
   kinds += ", or STEP";
 #endif
@@ -105,6 +106,7 @@ Result<std::vector<ImportedPart>> import_model(const fs::path& file, const Impor
 }
 
 Result<ImportedModel> import_as_model(const fs::path& file, const ImportOptions& options) {
+  if (is_shape_file(file)) return import_shapes(file, options);
   auto read = read_isolated(file, options);
   if (!read) return fail(read.error());
   ImportedModel imported;

@@ -49,6 +49,8 @@ struct ImportedModel {
   LengthUnit unit;
   /// Of all nodes together, metres.
   Eigen::Vector3f size_m = Eigen::Vector3f::Zero();
+  /// How far the triangles that stand in for shapes are from them at most, metres; 0 without shapes.
+  double stand_in_error_m = 0;
 };
 
 /// Reads the formats of `model_file_kinds`. Transforms of the file's scene graph are applied; vertex colours (or the
@@ -58,7 +60,8 @@ struct ImportedModel {
 [[nodiscard]] Result<std::vector<ImportedPart>> import_model(const std::filesystem::path& file,
                                                              const ImportOptions& options = {});
 
-/// A model at revision 1 with one node a part, ids from 1, positions on the scene's lattice.
+/// A model at revision 1 with one node a part, ids from 1, positions on the scene's lattice. Reads files of shapes
+/// (.yaml, common/implicit) as well: their nodes have a shape, and triangles that stand in for it.
 [[nodiscard]] Result<ImportedModel> import_as_model(const std::filesystem::path& file,
                                                     const ImportOptions& options = {});
 

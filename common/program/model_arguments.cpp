@@ -66,13 +66,19 @@ Result<ImportedModel> ModelArguments::import() const {
 
 std::string import_text(const std::string& file, const ImportedModel& imported) {
   const auto& size = imported.size_m;
-  return fmt::format("{}: {:.2f} x {:.2f} x {:.2f} m; {}", name_of(file), size.x(), size.y(), size.z(),
-                     to_text(imported.unit));
+  auto text = fmt::format("{}: {:.2f} x {:.2f} x {:.2f} m; {}", name_of(file), size.x(), size.y(), size.z(),
+                          to_text(imported.unit));
+  if (imported.stand_in_error_m > 0) {
+    text += fmt::format("; where shapes are kept or sent as triangles these are within {:.1f} mm",
+                        1000 * imported.stand_in_error_m);
+  }
+  return text;
 }
 
 nlohmann::json import_json(const ImportedModel& imported) {
   const auto& size = imported.size_m;
-  return {{"size_m", {size.x(), size.y(), size.z()}},
+  return {{"stand_in_error_m", imported.stand_in_error_m},
+          {"size_m", {size.x(), size.y(), size.z()}},
           {"unit_m", imported.unit.metres},
           {"unit", source_name(imported.unit.source)}};
 }

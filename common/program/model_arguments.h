@@ -28,7 +28,7 @@ struct ModelArguments {
 
 /// "room.ply: 3.20 x 4.10 x 2.50 m; metres are assumed, the file states no unit".
 [[nodiscard]] std::string import_text(const std::string& file, const ImportedModel& imported);
-/// {"size_m", "unit_m", "unit": "assumed|stated|given"}
+/// {"size_m", "unit_m", "unit": "assumed|stated|given", "stand_in_error_m"}
 [[nodiscard]] nlohmann::json import_json(const ImportedModel& imported);
 
 /// Draws "reading room.ply: 40 %" in one line of stderr when that is a terminal, and nothing otherwise. Nothing is

@@ -11,7 +11,7 @@ set(MESHLOOP_VENDOR_ROOMS
   "^assimp/|^common/interchange/"
   "^expat|^common/interchange/"
   "[.]hxx$|^common/interchange/step_reader[.]cpp$"
-  "^yaml-cpp/|^common/recording/"
+  "^yaml-cpp/|^common/(recording|implicit)/"
   "^sqlite3|^server/store/"
   "^OpenNI|^server/capture/"
   "^libfreenect|^server/capture/"

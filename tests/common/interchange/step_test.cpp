@@ -18,9 +18,11 @@ class Step : public test::Folder {};
 TEST_F(Step, TessellatesSolidsInMetresWithinADeflectionOf2e4) {
   STEPControl_Writer writer;
   Interface_Static::SetCVal("write.step.unit", "INCH");
-  // In millimetres here; the file states inches.
-  writer.Transfer(BRepPrimAPI_MakeSphere(gp_Pnt(1000, 0, 0), 500).Solid(), STEPControl_AsIs);
-  writer.Transfer(BRepPrimAPI_MakeBox(gp_Pnt(0, 0, 0), 100, 200, 300).Solid(), STEPControl_AsIs);
+  // The writer takes the numbers for inches then.
+  constexpr double kInch = 1 / 0.0254;
+  writer.Transfer(BRepPrimAPI_MakeSphere(gp_Pnt(kInch, 0, 0), 0.5 * kInch).Solid(), STEPControl_AsIs);
+  writer.Transfer(BRepPrimAPI_MakeBox(gp_Pnt(0, 0, 0), 0.1 * kInch, 0.2 * kInch, 0.3 * kInch).Solid(),
+                  STEPControl_AsIs);
   ASSERT_EQ(writer.Write(path("a.step").c_str()), IFSelect_RetDone);
   const auto parts = import_model(path("a.step"));
   ASSERT_TRUE(parts) << parts.error().message;
