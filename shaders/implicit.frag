@@ -223,17 +223,28 @@ bool is_on_surface(int forced, vec3 p_camera) {
 void main() {
   vec2 pixel = gl_FragCoord.xy - 0.5;
   vec3 direction = vec3((pixel - intrinsics.zw) / intrinsics.xy, 1.0);
-  float depth_m = near_far_m.y;
+  // From one crossing to the next, in the order of (depth, primitive), until one is on the solid's surface: there are few
+  // before it, where all crossings of all primitives would be many.
+  float depth_m = near_far_m.x;
+  int primitive = -1;
   bool hit = false;
-  for (int i = 0; i < primitive_count; ++i) {
-    vec4 roots = roots_of(i, ray_in(i, direction));
-    for (int r = 0; r < 4; ++r) {
-      float t = roots[r];
-      if (!(t > near_far_m.x && t < depth_m)) continue;
-      if (!is_on_surface(i, t * direction)) continue;
-      depth_m = t;
-      hit = true;
+  for (int crossing = 0; crossing < 4 * kMaxPrimitives; ++crossing) {
+    float next_m = near_far_m.y;
+    int next = -1;
+    for (int i = 0; i < primitive_count; ++i) {
+      vec4 roots = roots_of(i, ray_in(i, direction));
+      for (int r = 0; r < 4; ++r) {
+        bool is_after = roots[r] > depth_m || (roots[r] == depth_m && i > primitive);
+        if (!is_after || !(roots[r] < next_m)) continue;
+        next_m = roots[r];
+        next = i;
+      }
     }
+    if (next < 0) break;
+    depth_m = next_m;
+    primitive = next;
+    hit = step_count == 1 || is_on_surface(primitive, depth_m * direction);
+    if (hit) break;
   }
   if (!hit) discard;
   float near_m = near_far_m.x, far_m = near_far_m.y;

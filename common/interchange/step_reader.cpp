@@ -64,7 +64,6 @@ Result<ReadParts> tessellate(const std::filesystem::path& file, const Progress& 
   if (reader.TransferRoots() == 0) return fail("it holds no shape");
   const TopoDS_Shape shape = reader.OneShape();
   progress(0.5);
-  // On this thread: the threads of OpenCASCADE do not come along into a child process.
   const BRepMesh_IncrementalMesh done{shape, kStepDeflection_m / kMetresPerUnit, false, kStepAngle_rad};
   if (!done.IsDone()) return fail("OpenCASCADE could not make triangles of it");
   ReadParts read{{}, {kMetresPerUnit, LengthUnit::Source::stated}};
