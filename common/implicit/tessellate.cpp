@@ -182,15 +182,17 @@ double distance_to(const Shape& shape, const Vector3d& p, double most) {
   return nearest;
 }
 
+/// Over corners, middles of triangles and of edges.
 double error_of(const Shape& shape, const Submesh& mesh) {
-  const double step = bounds_of(shape).sizes().maxCoeff();
+  const double size = bounds_of(shape).sizes().maxCoeff();
   double worst = 0;
+  const auto look = [&](const Vector3d& p) { worst = std::max(worst, distance_to(shape, p, size)); };
+  for (const auto& p : mesh.positions) look(p.cast<double>());
   for (const auto& [a, b, c] : mesh.triangles) {
     const Vector3d p = mesh.positions[a].cast<double>(), q = mesh.positions[b].cast<double>(),
                    r = mesh.positions[c].cast<double>();
-    for (const Vector3d& sample : {Vector3d{(p + q + r) / 3}, Vector3d{(p + q) / 2}}) {
-      worst = std::max(worst, distance_to(shape, sample, step));
-    }
+    look((p + q + r) / 3);
+    for (const Vector3d& middle : {Vector3d{(p + q) / 2}, Vector3d{(q + r) / 2}, Vector3d{(r + p) / 2}}) look(middle);
   }
   return worst;
 }

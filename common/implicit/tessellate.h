@@ -6,7 +6,7 @@ namespace meshloop {
 
 struct Tessellation {
   Submesh submesh;
-  /// The largest distance from points of the triangles (corners, middles) to the solid's surface, metres; measured.
+  /// The largest distance from the corners and middles of triangles and edges to the solid's surface, metres; measured.
   double error_m = 0;
 };
 
