@@ -183,6 +183,8 @@ std::optional<Rgb8> material_color(const WebNode& shape) {
 
 class Collector {
  public:
+  explicit Collector(std::size_t max_elements) : max_elements_{max_elements} {}
+
   /// `parent_name` names parts that have no DEF of their own.
   Status visit(const WebNode& node, const Eigen::Affine3d& T_scene_parent, const std::string& parent_name) {
     if (++visits_ > kMaxVisits) return fail("it uses its nodes more often than a million times");
@@ -223,12 +225,13 @@ class Collector {
                     : Result<Submesh>{fail(fmt::format(
                           "it has {} geometry, which is not read; export it as IndexedFaceSet", geometry->type))};
     if (!mesh) return fail(mesh.error());
+    elements_ += mesh->triangles.size();
+    if (const WebNode* const coord = geometry->node("coord")) elements_ += coord->numbers("point").size() / 3;
+    if (elements_ > max_elements_) return fail("it has more triangles than are accepted");
     if (mesh->triangles.empty()) return {};
     if (const auto color = material_color(shape); color && !mesh->has_colors()) {
       mesh->colors.assign(mesh->positions.size(), *color);
     }
-    triangles_ += mesh->triangles.size();
-    if (triangles_ > kMaxTriangles) return fail("it has more triangles than are accepted");
     for (auto& p : mesh->positions) p = (T_scene_shape * p.cast<double>()).cast<float>();
     if (T_scene_shape.linear().determinant() < 0) {
       for (auto& triangle : mesh->triangles) std::swap(triangle[1], triangle[2]);
@@ -238,7 +241,8 @@ class Collector {
   }
 
   std::size_t visits_ = 0;
-  std::size_t triangles_ = 0;
+  std::size_t max_elements_;
+  std::size_t elements_ = 0;
   std::vector<ImportedPart> parts_;
 };
 
@@ -249,8 +253,8 @@ bool is_geometry(std::string_view type) {
          contains(kOtherGeometry, type);
 }
 
-Result<std::vector<ImportedPart>> parts_of(const WebNodes& scene, const std::string& name) {
-  Collector collector;
+Result<std::vector<ImportedPart>> parts_of(const WebNodes& scene, const std::string& name, std::size_t max_elements) {
+  Collector collector{max_elements};
   for (const auto& node : scene) {
     if (auto ok = collector.visit(*node, Eigen::Affine3d::Identity(), name); !ok) return fail(ok.error());
   }

@@ -20,7 +20,9 @@ inline constexpr double kSolidDeflection = 0.0002;
 /// One part for each Shape with a surface: IndexedFaceSet, IndexedTriangleSet, TriangleSet, Box, Sphere, Cylinder,
 /// Cone. Grouping nodes' transforms are applied; a Switch gives its chosen child, a LOD its finest. Vertex and face
 /// colours, else the material's diffuse colour. Lines, points and text have no surface and are passed over; any other
-/// geometry is refused, since a model that lacks a part shows it as a change.
-[[nodiscard]] Result<std::vector<ImportedPart>> parts_of(const WebNodes& scene, const std::string& name);
+/// geometry is refused, since a model that lacks a part shows it as a change. Refuses scenes of more triangles and
+/// points than `max_elements`, counted as often as they are used.
+[[nodiscard]] Result<std::vector<ImportedPart>> parts_of(const WebNodes& scene, const std::string& name,
+                                                         std::size_t max_elements = kMaxTriangles);
 
 }  // namespace meshloop

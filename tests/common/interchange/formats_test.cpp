@@ -73,7 +73,7 @@ std::string binary_ply(std::endian order) {
   }
   append(ply, std::uint8_t{7}, order);
   append(ply, std::uint8_t{4}, order);
-  for (const std::uint32_t index : {0, 1, 2, 3}) append(ply, index, order);
+  for (const std::uint32_t index : {0u, 1u, 2u, 3u}) append(ply, index, order);
   return ply;
 }
 
