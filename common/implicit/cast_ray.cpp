@@ -61,7 +61,7 @@ double torus_distance(const Vector3d& p, const Vector3d& size) {
 }
 
 /// Steps as long as the distance to the surface allows; each change of sign is halved down to 1e-9 m.
-void add_torus(const Ray& ray, const Vector3d& size, Roots& roots) {
+void add_torus(const Ray& ray, const Vector3d& size, double nearest, double farthest, Roots& roots) {
   constexpr double kSmallestStep_m = 1e-5, kAccuracy_m = 1e-9;
   Roots range;
   const double outer = size.x() + size.y(), speed = ray.direction.norm();
@@ -69,8 +69,8 @@ void add_torus(const Ray& ray, const Vector3d& size, Roots& roots) {
                 range, [](double) { return true; });
   if (range.count < 2) return;
   const auto distance = [&](double t) { return torus_distance(ray.origin + t * ray.direction, size); };
-  double t = range.t[0], here = distance(t);
-  while (t < range.t[1]) {
+  double t = std::max(range.t[0], nearest), here = distance(t);
+  while (t < std::min(range.t[1], farthest)) {
     const double next = t + std::max(std::abs(here), kSmallestStep_m) / speed;
     const double there = distance(next);
     if ((here > 0) != (there > 0)) {
@@ -86,7 +86,8 @@ void add_torus(const Ray& ray, const Vector3d& size, Roots& roots) {
   }
 }
 
-Roots roots_of(const Primitive& primitive, const Ray& ray) {
+/// Those between nearest and farthest; perhaps others.
+Roots roots_of(const Primitive& primitive, const Ray& ray, double nearest, double farthest) {
   Roots roots;
   const Vector3d &o = ray.origin, &d = ray.direction, &size = primitive.size;
   const auto height = [&](double t) { return o.z() + t * d.z(); };
@@ -119,7 +120,7 @@ Roots roots_of(const Primitive& primitive, const Ray& ray) {
       break;
     }
     case Kind::torus:
-      add_torus(ray, size, roots);
+      add_torus(ray, size, nearest, farthest, roots);
       break;
   }
   return roots;
@@ -174,7 +175,8 @@ std::optional<ShapeHit> cast_ray(const Shape& shape, const Ray& ray, double near
   std::optional<ShapeHit> first;
   for (std::size_t i = 0; i < shape.primitives.size(); ++i) {
     const Pose& T = shape.primitives[i].T_primitive_node;
-    const Roots roots = roots_of(shape.primitives[i], {T * ray.origin, T.linear() * ray.direction});
+    const Roots roots = roots_of(shape.primitives[i], {T * ray.origin, T.linear() * ray.direction}, nearest,
+                                 first ? first->t : farthest);
     for (int r = 0; r < roots.count; ++r) {
       const double t = roots.t[static_cast<std::size_t>(r)];
       if (!(t > nearest && t < farthest) || (first && t >= first->t)) continue;

@@ -42,32 +42,38 @@ TEST(CastRay, MeetsASphereFromOutsideAndFromInside) {
 
 // Walks along each ray in small steps and looks whether it is inside: no formula of a root is used.
 TEST(CastRay, AgreesWithWalkingAlongTheRay) {
-  constexpr double kStep_m = 2e-4;
+  constexpr double kStep_m = 1e-3;
+  constexpr double kAccuracy_m = 1e-7;
   std::mt19937 random{7};
   std::uniform_real_distribution<double> anywhere{-0.7, 0.7};
   for (const char* text : {"{box: {size: [0.4, 0.6, 0.8]}}", "{cylinder: {radius: 0.3, height: 0.7}}",
                            "{cone: {radius: 0.3, height: 0.7}}", "{torus: {radius: 0.4, tube: 0.15}}", kEverything}) {
     const Shape shape = solid(text);
     int hits = 0;
-    for (int i = 0; i < 400; ++i) {
+    for (int i = 0; i < 200; ++i) {
       const Vector3d from{anywhere(random), anywhere(random), anywhere(random)};
       const Vector3d direction = Vector3d{anywhere(random), anywhere(random), anywhere(random)}.normalized();
       const bool starts_inside = contains(shape, from);
       double walked = 0;
       while (walked < 3 && contains(shape, from + walked * direction) == starts_inside) walked += kStep_m;
+      const bool met = walked < 3;
+      for (double part = kStep_m / 2; met && part > kAccuracy_m / 4; part /= 2) {
+        const double middle = walked - part;
+        if (contains(shape, from + middle * direction) != starts_inside) walked = middle;
+      }
       const auto hit = cast_ray(shape, {from, direction}, 0, 3);
-      if (hit && hit->t < walked - kStep_m) {
+      if (hit && hit->t < walked - kAccuracy_m) {
         // Thinner than a step: the surface must be there all the same.
         EXPECT_NE(contains(shape, from + (hit->t - 1e-6) * direction),
                   contains(shape, from + (hit->t + 1e-6) * direction))
             << text << " ray " << i;
         continue;
       }
-      ASSERT_EQ(hit.has_value(), walked < 3) << text << " ray " << i;
-      EXPECT_NEAR(hit ? hit->t : walked, walked - kStep_m / 2, kStep_m) << text << " ray " << i;
+      ASSERT_EQ(hit.has_value(), met) << text << " ray " << i;
+      EXPECT_NEAR(hit ? hit->t : walked, walked, kAccuracy_m) << text << " ray " << i;
       hits += hit ? 1 : 0;
     }
-    EXPECT_GT(hits, 50) << text;
+    EXPECT_GT(hits, 10) << text;
   }
 }
 
@@ -123,11 +129,11 @@ TEST(Tessellate, KeepsEdgesSharpAndCurvedSurfacesNear) {
 }
 
 TEST(Tessellate, StatesTheErrorOfADifference) {
-  const auto mesh = tessellate(solid(kEverything), 64);
+  const auto mesh = tessellate(solid(kEverything), 32);
   ASSERT_TRUE(mesh) << mesh.error().message;
   EXPECT_TRUE(validate(mesh->submesh));
   EXPECT_GT(mesh->error_m, 0);
-  EXPECT_LT(mesh->error_m, 0.02);
+  EXPECT_LT(mesh->error_m, 0.05);
 }
 
 }  // namespace
