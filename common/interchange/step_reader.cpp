@@ -21,6 +21,9 @@ namespace {
 /// OpenCASCADE converts what the file states to millimetres.
 constexpr double kMetresPerUnit = 0.001;
 
+/// What it is asked for holds along edges; where a surface bends in two directions it may be off by nearly twice that.
+constexpr double kAskedDeflection = kStepDeflection_m / kMetresPerUnit / 2;
+
 void append_face(const TopoDS_Face& face, Submesh& mesh) {
   TopLoc_Location location;
   const auto triangulation = BRep_Tool::Triangulation(face, location);
@@ -64,7 +67,7 @@ Result<ReadParts> tessellate(const std::filesystem::path& file, const Progress& 
   if (reader.TransferRoots() == 0) return fail("it holds no shape");
   const TopoDS_Shape shape = reader.OneShape();
   progress(0.5);
-  const BRepMesh_IncrementalMesh done{shape, kStepDeflection_m / kMetresPerUnit, false, kStepAngle_rad};
+  const BRepMesh_IncrementalMesh done{shape, kAskedDeflection, false, kStepAngle_rad};
   if (!done.IsDone()) return fail("OpenCASCADE could not make triangles of it");
   ReadParts read{{}, {kMetresPerUnit, LengthUnit::Source::stated}};
   const std::string name = file.stem().string();
