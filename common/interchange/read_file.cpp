@@ -30,8 +30,9 @@ constexpr std::array kFormats{
 #endif
 };
 
-/// Reading is most of the work; what follows has no progress of its own.
-constexpr double kShareOfReading = 0.8;
+/// Shares of the work that are done after reading, and after vertices were joined.
+constexpr double kRead = 0.4;
+constexpr double kJoined = 0.7;
 
 /// Between them lies whatever a depth camera could be pointed at.
 constexpr double kSmallestModel_m = 0.01;
@@ -102,7 +103,7 @@ const ModelFormat* format_of(const std::filesystem::path& file) {
 Result<ReadParts> read_file(const std::filesystem::path& file, const ImportOptions& options, const Progress& progress) {
   const ModelFormat* const format = format_of(file);
   if (format == nullptr) return fail("its ending is unknown");
-  auto read = format->read(file, [&progress](double share) { progress(kShareOfReading * share); });
+  auto read = format->read(file, [&progress](double share) { progress(kRead * share); });
   if (!read) return read;
   if (options.unit_m) read->unit = {*options.unit_m, LengthUnit::Source::given};
   scale(read->parts, read->unit.metres);
@@ -110,12 +111,16 @@ Result<ReadParts> read_file(const std::filesystem::path& file, const ImportOptio
   if (!options.unit_m) {
     if (auto ok = check_size(read->parts); !ok) return fail(ok.error());
   }
+  progress(kRead);
   ReadParts done{{}, read->unit};
   const std::size_t max_triangles = std::max<std::size_t>(options.max_triangles_per_part, 1);
   for (auto& part : read->parts) {
     if (auto ok = validate(part.submesh); !ok) return fail(ok.error());
-    add_split({part.name, welded(std::move(part.submesh))}, max_triangles, done.parts);
+    ImportedPart joined{part.name, welded(std::move(part.submesh))};
+    progress(kJoined);
+    add_split(std::move(joined), max_triangles, done.parts);
   }
+  progress(1);
   return done;
 }
 
