@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/gpu/gl_objects.h"
+#include "common/gpu/implicit_renderer.h"
 #include "common/gpu/projection.h"
 #include "shaders/shaders.h"
 
@@ -54,8 +55,8 @@ struct Targets {
 
 class GlSceneRenderer final : public SceneRenderer {
  public:
-  GlSceneRenderer(GpuContext& context, Program program, Targets targets)
-      : context_{context}, program_{std::move(program)}, targets_{std::move(targets)} {}
+  GlSceneRenderer(GpuContext& context, Program program, ImplicitRenderer shapes, Targets targets)
+      : context_{context}, program_{std::move(program)}, shapes_{std::move(shapes)}, targets_{std::move(targets)} {}
   GlSceneRenderer(const GlSceneRenderer&) = delete;
   GlSceneRenderer& operator=(const GlSceneRenderer&) = delete;
   // The members are freed in the context that made them.
@@ -77,6 +78,7 @@ class GlSceneRenderer final : public SceneRenderer {
 
   GpuContext& context_;
   Program program_;
+  ImplicitRenderer shapes_;
   Targets targets_;
 };
 
@@ -123,6 +125,7 @@ void GlSceneRenderer::render(const Model& model, const SceneView& view) {
   context_.meshes().update(model);
   clear_targets(view.nodes, view.color);
   draw_nodes(model, view);
+  shapes_.draw(model, view);
   glBindVertexArray(0);
   glDisable(GL_SCISSOR_TEST);
   glFlush();
@@ -137,6 +140,7 @@ void GlSceneRenderer::draw_nodes(const Model& model, const SceneView& view) cons
   glVertexAttrib4f(kColorAttribute, 0.5F, 0.5F, 0.5F, 0.5F);
   for (std::size_t i = 0; i < model.nodes.size(); ++i) {
     const Node& node = model.nodes[i];
+    if (node.shape) continue;
     // The product is made in double: a float camera far from the origin would move what it sees.
     const Eigen::Matrix4d clip_from_node = clip_from_world * node.T_world_node.matrix();
     const Eigen::Matrix4f matrix = clip_from_node.cast<float>();
@@ -186,11 +190,13 @@ Result<std::unique_ptr<SceneRenderer>> SceneRenderer::create(GpuContext& context
   context.make_current();
   auto program = Program::create(shaders::scene_vert, shaders::scene_frag);
   if (!program) return fail("preparing the scene renderer", program.error());
+  auto shapes = ImplicitRenderer::create();
+  if (!shapes) return fail("preparing the scene renderer", shapes.error());
   Targets targets(kFirstSize, kFirstSize);
   targets.bind(true, true);
   if (auto usable = check_framebuffer("float depth images"); !usable) return fail(usable.error());
   return std::unique_ptr<SceneRenderer>{
-      std::make_unique<GlSceneRenderer>(context, std::move(*program), std::move(targets))};
+      std::make_unique<GlSceneRenderer>(context, std::move(*program), std::move(*shapes), std::move(targets))};
 }
 
 }  // namespace meshloop

@@ -37,7 +37,8 @@ struct SceneView {
 /// Row 0 of the textures is row 0 (the top) of the image. Depth texture: R32F, metres along the optical axis, 0 where
 /// no surface is. Node texture: R32UI, position in Model::nodes plus 1, 0 for none. Colour texture: RGBA8, the vertex
 /// colours as they are (no light), alpha 0 where no surface is, 1 where the node has colours and 0.5 where it has none
-/// (drawn mid grey). Both sides of a triangle are drawn.
+/// (drawn mid grey). Both sides of a triangle are drawn. A node with a shape is drawn by its formula, not by its
+/// triangles: see implicit_renderer.h for how exact its depth is.
 class SceneRenderer {
  public:
   [[nodiscard]] static Result<std::unique_ptr<SceneRenderer>> create(GpuContext& context);

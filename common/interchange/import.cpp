@@ -1,15 +1,13 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <string_view>
+#include <cmath>
 #include <system_error>
 
 #include "common/base/log.h"
-#include "common/interchange/file_ending.h"
 #include "common/interchange/isolated_import.h"
 #include "common/interchange/model_file.h"
-#include "common/interchange/split.h"
+#include "common/interchange/read_file.h"
+#include "common/interchange/shape_import.h"
 #include "common/mesh/lattice.h"
 
 namespace meshloop {
@@ -17,9 +15,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 6> kEndings{".obj", ".ply", ".stl", ".off", ".gltf", ".glb"};
-/// What the codec can encode in one piece; larger parts are in other units.
+/// What the codec can encode in one piece.
 constexpr float kWidestPart_m = 2047;
+
+std::string endings() {
+  std::string text;
+  for (const auto& format : model_formats()) text += fmt::format("{}{}", text.empty() ? "" : ", ", format.ending);
+  return text;
+}
 
 Status check_file(const fs::path& file) {
   std::error_code error;
@@ -27,26 +30,31 @@ Status check_file(const fs::path& file) {
   if (!fs::exists(status)) return fail(fmt::format("'{}' does not exist", file.string()));
   if (fs::is_directory(status)) return fail(fmt::format("'{}' is a folder, not a model file", file.string()));
   if (!fs::is_regular_file(status)) return fail(fmt::format("'{}' is not a regular file", file.string()));
-  if (std::find(kEndings.begin(), kEndings.end(), lower_case_ending(file)) == kEndings.end()) {
-    return fail(
-        fmt::format("'{}' has an unknown ending; models are read from {}", file.string(), fmt::join(kEndings, ", ")));
+  if (format_of(file) == nullptr) {
+    return fail(fmt::format("'{}' has an unknown ending; models are read from {}", file.string(), endings()));
   }
   return {};
 }
 
-void add_split(ImportedPart part, std::size_t max_triangles, std::vector<ImportedPart>& parts) {
-  if (part.submesh.triangles.size() <= max_triangles) {
-    parts.push_back(std::move(part));
-    return;
+/// What the child made of the file, and validated once more here.
+Result<ReadParts> read_isolated(const fs::path& file, const ImportOptions& options) {
+  if (auto ok = check_file(file); !ok) return fail(ok.error());
+  if (options.unit_m && !(*options.unit_m > 0 && std::isfinite(*options.unit_m))) {
+    return fail("the unit's length must be a positive number of metres", ErrorKind::usage);
   }
-  auto pieces = split_in_space(part.submesh, max_triangles);
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
-    parts.push_back({fmt::format("{}.{}", part.name, i + 1), std::move(pieces[i])});
+  auto read = run_isolated(file, {options.max_seconds, options.progress},
+                           [&](const Progress& progress) { return read_file(file, options, progress); });
+  if (!read) return read;
+  for (const auto& part : read->parts) {
+    if (auto ok = validate(part.submesh); !ok) {
+      return fail(fmt::format("'{}' could not be read", file.string()), ok.error());
+    }
   }
+  return read;
 }
 
 /// One node, or nothing when the part vanishes on the lattice.
-Status add_node(const ImportedPart& part, Model& model) {
+Status add_node(ImportedPart part, Model& model) {
   auto snapped = snap_to_lattice(part.submesh);
   if (snapped.triangles.empty()) {
     log_warning("part '{}' is left out: all of its {} triangles are smaller than {:.2f} mm", part.name,
@@ -58,41 +66,63 @@ Status add_node(const ImportedPart& part, Model& model) {
   if (width > kWidestPart_m) {
     return fail(fmt::format("part '{}' is {:.0f} m wide; is the file in metres?", part.name, width));
   }
-  model.nodes.push_back(make_node(model.nodes.size() + 1, part.name, std::move(snapped)));
+  model.nodes.push_back(make_node(model.nodes.size() + 1, std::move(part.name), std::move(snapped)));
   return {};
+}
+
+Eigen::Vector3f size_of(const Model& model) {
+  Eigen::AlignedBox3f box;
+  for (const auto& node : model.nodes) box.extend(node.submesh->bounds());
+  return box.sizes();
 }
 
 }  // namespace
 
-Result<std::vector<ImportedPart>> import_model(const fs::path& file, const ImportOptions& options) {
-  if (auto ok = check_file(file); !ok) return fail(ok.error());
-  auto read = read_parts_isolated(file, options.max_seconds);
-  if (!read) return fail(read.error());
-  std::vector<ImportedPart> parts;
-  for (auto& part : *read) {
-    if (auto ok = validate(part.submesh); !ok) {
-      return fail(fmt::format("'{}' could not be read", file.string()), ok.error());
-    }
-    add_split(std::move(part), std::max<std::size_t>(options.max_triangles_per_part, 1), parts);
+std::string to_text(const LengthUnit& unit) {
+  const auto length = unit.metres == 1 ? std::string{"metres"} : fmt::format("units of {:.6g} m", unit.metres);
+  switch (unit.source) {
+    case LengthUnit::Source::assumed:
+      return length + " are assumed, the file states no unit";
+    case LengthUnit::Source::stated:
+      return length + ", as the file or its format states";
+    case LengthUnit::Source::given:
+      break;
   }
-  if (parts.empty()) return fail(fmt::format("'{}' could not be read: it holds no triangles", file.string()));
-  return parts;
+  return length + ", as given";
 }
 
-Result<Model> import_as_model(const fs::path& file, const ImportOptions& options) {
-  const auto parts = import_model(file, options);
-  if (!parts) return fail(parts.error());
-  Model model;
-  model.revision = 1;
-  for (const auto& part : *parts) {
-    if (auto ok = add_node(part, model); !ok)
+std::string model_file_kinds() {
+  std::string kinds = "OBJ, PLY, STL, OFF, glTF, GLB, X3D, VRML 97 (.wrl), or shapes (.yaml)";
+#ifdef MESHLOOP_STEP
+  kinds += ", or STEP";
+#endif
+  return kinds;
+}
+
+Result<std::vector<ImportedPart>> import_model(const fs::path& file, const ImportOptions& options) {
+  auto read = read_isolated(file, options);
+  if (!read) return fail(read.error());
+  return std::move(read->parts);
+}
+
+Result<ImportedModel> import_as_model(const fs::path& file, const ImportOptions& options) {
+  if (is_shape_file(file)) return import_shapes(file, options);
+  auto read = read_isolated(file, options);
+  if (!read) return fail(read.error());
+  ImportedModel imported;
+  imported.unit = read->unit;
+  imported.model.revision = 1;
+  for (auto& part : read->parts) {
+    if (auto ok = add_node(std::move(part), imported.model); !ok) {
       return fail(fmt::format("'{}' cannot be used", file.string()), ok.error());
+    }
   }
-  if (model.nodes.empty()) {
+  if (imported.model.nodes.empty()) {
     return fail(fmt::format("'{}' holds no triangle larger than {:.2f} mm; is it in metres?", file.string(),
                             kLatticeSpacing_m * 1000));
   }
-  return model;
+  imported.size_m = size_of(imported.model);
+  return imported;
 }
 
 }  // namespace meshloop

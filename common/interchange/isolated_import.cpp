@@ -1,12 +1,9 @@
 #include "common/interchange/isolated_import.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,10 +13,8 @@
 #include <cstring>
 #include <exception>
 #include <new>
-#include <span>
 
-#include "common/interchange/part_buffer.h"
-#include "common/interchange/scene_reader.h"
+#include "common/interchange/child_result.h"
 
 namespace meshloop {
 namespace {
@@ -40,23 +35,6 @@ constexpr bool kMemoryIsLimited = true;
 
 /// Addresses that reading may take beyond those that the process has already.
 constexpr rlim_t kMaxMemory = rlim_t{4} << 30;
-
-constexpr std::byte kParts{1};
-constexpr std::byte kError{2};
-
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_{fd} {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 rlim_t addresses_in_use() {
   unsigned long pages = 0;
@@ -82,30 +60,13 @@ void enter_child(unsigned max_seconds) {
   if (kMemoryIsLimited) set_limit(RLIMIT_AS, addresses_in_use() + kMaxMemory);
 }
 
-bool write_all(int fd, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const auto count = ::write(fd, bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(count));
-  }
-  return true;
-}
-
-bool write_error(int fd, const std::string& message) {
-  return write_all(fd, std::span{&kError, 1}) && write_all(fd, std::as_bytes(std::span{message}));
-}
-
-template <class Read>
-bool read_into(int fd, const std::filesystem::path& file, Read read) {
+bool read_into(const ChildResult& result, const std::function<Result<ReadParts>()>& read) {
   try {
-    const auto parts = read(file);
-    if (!parts) return write_error(fd, parts.error().message);
-    return write_all(fd, std::span{&kParts, 1}) && write_all(fd, to_bytes(*parts));
+    return result.write(read());
   } catch (const std::bad_alloc&) {
-    return write_error(fd, fmt::format("it needs more than {} GiB of memory", kMaxMemory >> 30));
+    return result.write_error(fmt::format("it needs more than {} GiB of memory", kMaxMemory >> 30));
   } catch (const std::exception& error) {
-    return write_error(fd, error.what());
+    return result.write_error(error.what());
   }
 }
 
@@ -124,52 +85,35 @@ tl::unexpected<Error> unreadable(const std::filesystem::path& file, std::string 
   return fail(fmt::format("'{}' could not be read: {}", file.string(), why));
 }
 
-Result<std::vector<std::byte>> all_bytes(int fd) {
-  struct stat info {};
-  if (::fstat(fd, &info) != 0) return fail(std::strerror(errno));
-  std::vector<std::byte> bytes(static_cast<std::size_t>(info.st_size));
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const auto count = ::pread(fd, bytes.data() + done, bytes.size() - done, static_cast<off_t>(done));
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return fail("the importer's result could not be read");
-    done += static_cast<std::size_t>(count);
-  }
-  return bytes;
-}
-
-Result<std::vector<ImportedPart>> result_of(const std::filesystem::path& file, int status, int fd,
-                                            unsigned max_seconds) {
+Result<ReadParts> result_of(const std::filesystem::path& file, int status, const ChildResult& result,
+                            unsigned max_seconds) {
   if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL)) {
     return unreadable(file, fmt::format("the importer was stopped after {} s of processor time", max_seconds));
   }
-  const auto bytes = all_bytes(fd);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !bytes || bytes->empty()) {
-    return unreadable(file, "the importer crashed; the file is probably damaged");
-  }
-  const auto content = std::span{*bytes}.subspan(1);
-  if (bytes->front() == kParts) return parts_from_bytes(content);
-  return unreadable(file, std::string{reinterpret_cast<const char*>(content.data()), content.size()});
+  auto read = WIFEXITED(status) && WEXITSTATUS(status) == 0 ? result.read() : std::nullopt;
+  if (!read) return unreadable(file, "the importer crashed; the file is probably damaged");
+  if (!*read) return unreadable(file, read->error().message);
+  return std::move(*read);
 }
 
 }  // namespace
 
-Result<std::vector<ImportedPart>> run_isolated(
-    const std::filesystem::path& file, unsigned max_seconds,
-    Result<std::vector<ImportedPart>> (*read)(const std::filesystem::path&)) {
-  const Descriptor result{::memfd_create("meshloop-import", MFD_CLOEXEC)};
-  if (result.get() < 0) return unreadable(file, fmt::format("no memory for the result: {}", std::strerror(errno)));
+Result<ReadParts> run_isolated(const std::filesystem::path& file, const IsolationOptions& options,
+                               const std::function<Result<ReadParts>(const Progress&)>& read) {
+  ChildResult result;
+  ChildProgress progress;
+  for (const Status& opened : {result.open(), progress.open()}) {
+    if (!opened) return unreadable(file, opened.error().message);
+  }
   const pid_t child = ::fork();
   if (child < 0) return unreadable(file, fmt::format("no process for the importer: {}", std::strerror(errno)));
   if (child == 0) {
-    enter_child(max_seconds);
-    ::_exit(read_into(result.get(), file, read) ? 0 : 1);
+    enter_child(options.max_seconds);
+    const Progress report = progress.reporter();
+    ::_exit(read_into(result, [&] { return read(report); }) ? 0 : 1);
   }
-  return result_of(file, wait_for(child), result.get(), max_seconds);
-}
-
-Result<std::vector<ImportedPart>> read_parts_isolated(const std::filesystem::path& file, unsigned max_seconds) {
-  return run_isolated(file, max_seconds, read_parts);
+  progress.follow(options.progress);
+  return result_of(file, wait_for(child), result, options.max_seconds);
 }
 
 }  // namespace meshloop

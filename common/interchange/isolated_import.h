@@ -1,20 +1,21 @@
 #pragma once
 #include <filesystem>
-#include <vector>
+#include <functional>
 
 #include "common/base/result.h"
-#include "common/interchange/model_file.h"
+#include "common/interchange/read_file.h"
 
 namespace meshloop {
 
-/// read_parts in a child process with limits on processor time and memory, without a core file. A crash there is an
-/// error here. The parts are not validated.
-[[nodiscard]] Result<std::vector<ImportedPart>> read_parts_isolated(const std::filesystem::path& file,
-                                                                    unsigned max_seconds);
+struct IsolationOptions {
+  unsigned max_seconds = 60;
+  /// Called here, in the parent, with what the child reports; may be empty.
+  std::function<void(double)> progress = {};
+};
 
-/// The mechanism, for any reader: what `read` returns in the child process is returned here.
-[[nodiscard]] Result<std::vector<ImportedPart>> run_isolated(
-    const std::filesystem::path& file, unsigned max_seconds,
-    Result<std::vector<ImportedPart>> (*read)(const std::filesystem::path&));
+/// What `read` returns in a child process is returned here. The child has limits on processor time and memory, and
+/// leaves no core file; a crash there is an error here. The parts are not validated.
+[[nodiscard]] Result<ReadParts> run_isolated(const std::filesystem::path& file, const IsolationOptions& options,
+                                             const std::function<Result<ReadParts>(const Progress&)>& read);
 
 }  // namespace meshloop

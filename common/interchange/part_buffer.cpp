@@ -1,5 +1,7 @@
 #include "common/interchange/part_buffer.h"
 
+#include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
@@ -9,6 +11,8 @@ namespace {
 
 class Writer {
  public:
+  explicit Writer(const WriteBytes& write) : write_{write} {}
+
   void number(std::uint64_t value) { append(std::as_bytes(std::span{&value, 1})); }
 
   template <class List>
@@ -17,12 +21,13 @@ class Writer {
     append(std::as_bytes(std::span{values}));
   }
 
-  std::vector<std::byte> take() { return std::move(bytes_); }
+  [[nodiscard]] bool good() const { return good_; }
 
  private:
-  void append(std::span<const std::byte> more) { bytes_.insert(bytes_.end(), more.begin(), more.end()); }
+  void append(std::span<const std::byte> more) { good_ = good_ && write_(more); }
 
-  std::vector<std::byte> bytes_;
+  const WriteBytes& write_;
+  bool good_ = true;
 };
 
 class Reader {
@@ -55,31 +60,38 @@ class Reader {
 
 }  // namespace
 
-std::vector<std::byte> to_bytes(const std::vector<ImportedPart>& parts) {
-  Writer out;
-  out.number(parts.size());
-  for (const auto& part : parts) {
+bool write_parts(const ReadParts& read, const WriteBytes& write) {
+  Writer out{write};
+  out.number(std::bit_cast<std::uint64_t>(read.unit.metres));
+  out.number(static_cast<std::uint64_t>(read.unit.source));
+  out.number(read.parts.size());
+  for (const auto& part : read.parts) {
     out.list(part.name);
     out.list(part.submesh.positions);
     out.list(part.submesh.colors);
     out.list(part.submesh.triangles);
   }
-  return out.take();
+  return out.good();
 }
 
-Result<std::vector<ImportedPart>> parts_from_bytes(std::span<const std::byte> bytes) {
+Result<ReadParts> parts_from_bytes(std::span<const std::byte> bytes) {
   Reader in{bytes};
+  ReadParts read;
+  std::uint64_t metres = 0;
+  std::uint64_t source = 0;
   std::uint64_t count = 0;
-  bool complete = in.number(count);
-  std::vector<ImportedPart> parts;
+  bool complete = in.number(metres) && in.number(source) && in.number(count);
+  read.unit = {std::bit_cast<double>(metres), static_cast<LengthUnit::Source>(source)};
+  complete = complete && std::isfinite(read.unit.metres) && read.unit.metres > 0 &&
+             source <= static_cast<std::uint64_t>(LengthUnit::Source::given);
   for (std::uint64_t i = 0; complete && i < count; ++i) {
     ImportedPart part;
     complete = in.list(part.name) && in.list(part.submesh.positions) && in.list(part.submesh.colors) &&
                in.list(part.submesh.triangles);
-    if (complete) parts.push_back(std::move(part));
+    if (complete) read.parts.push_back(std::move(part));
   }
   if (!complete || !in.at_end()) return fail("the importer's result is damaged");
-  return parts;
+  return read;
 }
 
 }  // namespace meshloop

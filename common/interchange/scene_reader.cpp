@@ -9,13 +9,13 @@
 #include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
 #include <assimp/LogStream.hpp>
+#include <assimp/ProgressHandler.hpp>
 #include <cmath>
 #include <optional>
 #include <string_view>
 
 #include "common/interchange/color_space.h"
 #include "common/interchange/file_ending.h"
-#include "common/interchange/weld.h"
 
 namespace meshloop {
 namespace {
@@ -66,6 +66,8 @@ std::string part_name(const aiNode& node, const aiMesh& mesh, const FileTraits& 
 Submesh to_submesh(const aiScene& scene, const aiMesh& mesh, const aiMatrix4x4& T_world_node,
                    const FileTraits& traits) {
   Submesh submesh;
+  submesh.positions.reserve(mesh.mNumVertices);
+  submesh.triangles.reserve(mesh.mNumFaces);
   const auto base = material_color(scene, mesh, traits);
   for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
     const aiVector3D p = T_world_node * mesh.mVertices[i];
@@ -90,31 +92,26 @@ struct Visit {
   aiMatrix4x4 T_world_node;
 };
 
-Status add_parts(const aiScene& scene, const Visit& visit, const FileTraits& traits, std::vector<ImportedPart>& parts) {
+void add_parts(const aiScene& scene, const Visit& visit, const FileTraits& traits, std::vector<ImportedPart>& parts) {
   for (unsigned m = 0; m < visit.node->mNumMeshes; ++m) {
     const aiMesh& mesh = *scene.mMeshes[visit.node->mMeshes[m]];
     ImportedPart part{part_name(*visit.node, mesh, traits), to_submesh(scene, mesh, visit.T_world_node, traits)};
-    if (part.submesh.triangles.empty()) continue;
-    if (auto ok = validate(part.submesh); !ok) return ok;
-    part.submesh = welded(part.submesh);
-    parts.push_back(std::move(part));
+    if (!part.submesh.triangles.empty()) parts.push_back(std::move(part));
   }
-  return {};
 }
 
-Result<std::vector<ImportedPart>> collect(const aiScene& scene, const FileTraits& traits) {
+std::vector<ImportedPart> collect(const aiScene& scene, const FileTraits& traits) {
   std::vector<ImportedPart> parts;
   std::vector<Visit> open{{scene.mRootNode, scene.mRootNode->mTransformation}};
   while (!open.empty()) {
     const Visit visit = open.back();
     open.pop_back();
-    if (auto ok = add_parts(scene, visit, traits, parts); !ok) return fail(ok.error());
+    add_parts(scene, visit, traits, parts);
     for (unsigned c = visit.node->mNumChildren; c > 0; --c) {
       const aiNode* child = visit.node->mChildren[c - 1];
       open.push_back({child, visit.T_world_node * child->mTransformation});
     }
   }
-  if (parts.empty()) return fail("it holds no triangles");
   return parts;
 }
 
@@ -155,29 +152,54 @@ class AssimpLog {
 std::string plain_words(const std::string& message) {
   if (message.find("No meshes remaining") != std::string::npos) return "it holds no triangles";
   if (message.find("No suitable reader") != std::string::npos) return "its content is not what its ending says";
-  if (message.find("Invalid accessor without data") != std::string::npos) {
-    return "a mesh in it has no data, or is compressed with Draco; export it without compression";
-  }
   return message;
 }
 
-}  // namespace
+/// assimp counts the reading as the first half.
+class Reporter : public Assimp::ProgressHandler {
+ public:
+  explicit Reporter(const Progress& progress) : progress_{progress} {}
+  bool Update(float share) override {
+    if (share >= 0 && share <= 1) progress_(static_cast<double>(share));
+    return true;
+  }
 
-Result<std::vector<ImportedPart>> read_parts(const std::filesystem::path& file) {
+ private:
+  const Progress& progress_;
+};
+
+constexpr unsigned kSteps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_RemoveComponent;
+
+template <class Read>
+Result<ReadParts> read_scene(const FileTraits& traits, const Progress& progress, Read read) {
   const AssimpLog log;
   Assimp::Importer importer;
+  importer.SetProgressHandler(new Reporter{progress});
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   // Only what ends in a submesh is kept, so that the rest costs nothing.
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
                                                           aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS |
                                                           aiComponent_ANIMATIONS | aiComponent_TEXTURES |
                                                           aiComponent_LIGHTS | aiComponent_CAMERAS);
-  const aiScene* scene =
-      importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_RemoveComponent);
+  const aiScene* scene = read(importer);
   if (scene == nullptr) return fail(plain_words(importer.GetErrorString()));
   if (!log.complaint().empty()) return fail("a triangle names a vertex that is not there");
   if (scene->mRootNode == nullptr || !scene->HasMeshes()) return fail("it holds no triangles");
-  return collect(*scene, traits_of(file));
+  return ReadParts{collect(*scene, traits), {}};
+}
+
+}  // namespace
+
+Result<ReadParts> read_with_assimp(const std::filesystem::path& file, const Progress& progress) {
+  return read_scene(traits_of(file), progress,
+                    [&file](Assimp::Importer& importer) { return importer.ReadFile(file.string(), kSteps); });
+}
+
+Result<ReadParts> read_glb_with_assimp(std::span<const std::byte> glb, const std::filesystem::path& file,
+                                       const Progress& progress) {
+  return read_scene(traits_of(file), progress, [glb](Assimp::Importer& importer) {
+    return importer.ReadFileFromMemory(glb.data(), glb.size(), kSteps, "glb");
+  });
 }
 
 }  // namespace meshloop

@@ -1,15 +1,20 @@
 #pragma once
-// The part that runs in the child process: a file through assimp into parts.
+// Files through assimp.
+#include <cstddef>
 #include <filesystem>
-#include <vector>
+#include <span>
 
 #include "common/base/result.h"
-#include "common/interchange/model_file.h"
+#include "common/interchange/read_file.h"
 
 namespace meshloop {
 
-/// One part for each use of a mesh in the file's scene graph, transforms applied, vertices with the same position and
-/// colour joined. May crash on a malformed file: see isolated_import.h.
-[[nodiscard]] Result<std::vector<ImportedPart>> read_parts(const std::filesystem::path& file);
+/// A FormatReader for OBJ, OFF and text STL: one part for each use of a mesh in the file's scene graph, transforms
+/// applied.
+[[nodiscard]] Result<ReadParts> read_with_assimp(const std::filesystem::path& file, const Progress& progress);
+
+/// The same for a GLB in memory; `file` gives its name.
+[[nodiscard]] Result<ReadParts> read_glb_with_assimp(std::span<const std::byte> glb, const std::filesystem::path& file,
+                                                     const Progress& progress);
 
 }  // namespace meshloop

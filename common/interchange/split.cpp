@@ -29,11 +29,37 @@ std::size_t halve(const Submesh& submesh, TriangleIds ids) {
   return ids.size() / 2;
 }
 
-Submesh piece_of(const Submesh& submesh, TriangleIds ids) {
-  std::vector<bool> keep(submesh.triangles.size());
-  for (const auto id : ids) keep[id] = true;
-  return keep_triangles(submesh, keep);
-}
+/// Pieces of one submesh. Keeps the order of its triangles and vertices; costs as much as the piece is large.
+class Pieces {
+ public:
+  explicit Pieces(const Submesh& submesh) : submesh_{submesh}, new_index_(submesh.positions.size()) {}
+
+  Submesh make(TriangleIds ids) {
+    std::sort(ids.begin(), ids.end());
+    std::vector<std::uint32_t> used;
+    used.reserve(3 * ids.size());
+    for (const auto id : ids) used.insert(used.end(), submesh_.triangles[id].begin(), submesh_.triangles[id].end());
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    Submesh piece;
+    piece.positions.reserve(used.size());
+    for (const auto index : used) {
+      new_index_[index] = static_cast<std::uint32_t>(piece.positions.size());
+      piece.positions.push_back(submesh_.positions[index]);
+      if (submesh_.has_colors()) piece.colors.push_back(submesh_.colors[index]);
+    }
+    piece.triangles.reserve(ids.size());
+    for (const auto id : ids) {
+      const auto& [a, b, c] = submesh_.triangles[id];
+      piece.triangles.push_back({new_index_[a], new_index_[b], new_index_[c]});
+    }
+    return piece;
+  }
+
+ private:
+  const Submesh& submesh_;
+  std::vector<std::uint32_t> new_index_;
+};
 
 }  // namespace
 
@@ -43,12 +69,13 @@ std::vector<Submesh> split_in_space(const Submesh& submesh, std::size_t max_tria
   std::vector<std::uint32_t> ids(submesh.triangles.size());
   std::iota(ids.begin(), ids.end(), 0u);
   std::vector<Submesh> pieces;
+  Pieces maker{submesh};
   std::vector<TriangleIds> open{ids};
   while (!open.empty()) {
     const TriangleIds group = open.back();
     open.pop_back();
     if (group.size() <= limit) {
-      pieces.push_back(piece_of(submesh, group));
+      pieces.push_back(maker.make(group));
       continue;
     }
     const auto second = halve(submesh, group);

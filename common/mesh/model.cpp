@@ -37,6 +37,7 @@ Status apply_one(Model& model, const ReplaceSubmesh& edit) {
   if (auto ok = validate(*edit.submesh); !ok) return ok;
   (*node)->submesh = edit.submesh;
   (*node)->hash = content_hash(*edit.submesh);
+  (*node)->shape = nullptr;
   return {};
 }
 

@@ -15,6 +15,8 @@ using NodeId = std::uint64_t;
 /// Counts the accepted changes of a scene. An imported model is revision 1; an empty scene is revision 0.
 using Revision = std::uint64_t;
 
+struct Shape;  // common/implicit/shape.h
+
 /// A named piece of the model that moves rigidly.
 struct Node {
   NodeId id = 0;
@@ -23,6 +25,9 @@ struct Node {
   std::shared_ptr<const Submesh> submesh;
   /// content_hash of the submesh, kept so that it is computed once.
   Hash hash{};
+  /// The exact solid for which the submesh stands in; null for nodes that are triangles. Drawn by SceneRenderer; scene
+  /// files and the network carry the submesh alone. A node whose submesh is replaced loses it.
+  std::shared_ptr<const Shape> shape = nullptr;
 };
 
 /// All nodes at one revision, in the order of their ids. Immutable once made: shared as shared_ptr<const Model>.

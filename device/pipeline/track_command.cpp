@@ -4,8 +4,8 @@
 #include <iostream>
 #include <memory>
 
-#include "common/interchange/model_file.h"
 #include "common/program/json_output.h"
+#include "common/program/model_arguments.h"
 #include "device/capture/recording_source.h"
 #include "device/draw/presenter.h"
 #include "device/pipeline/commands.h"
@@ -16,7 +16,7 @@ namespace meshloop {
 namespace {
 
 struct TrackArguments {
-  std::string model;
+  ModelArguments model;
   std::string recording;
   std::string init;
   std::string out;
@@ -61,17 +61,20 @@ class Views {
   std::vector<VirtualObject> objects_;
 };
 
-void report(const TrackArguments& arguments, const TrackingSession& session, const nlohmann::json& truth) {
+void report(const TrackArguments& arguments, const TrackingSession& session, const nlohmann::json& truth,
+            const ImportedModel& model) {
   std::vector<double> times;
   for (const auto& record : session.records()) times.push_back(record.time_ms);
   const nlohmann::json json{{"frames", session.frames_json()},
                             {"lost", session.lost_frames()},
                             {"time_ms", spread_json(times)},
-                            {"truth", truth}};
+                            {"truth", truth},
+                            {"model", import_json(model)}};
   if (arguments.json) {
     print_json(json);
     return;
   }
+  std::cout << import_text(arguments.model.file, model) << '\n';
   std::cout << fmt::format("{} frames, {} lost; poses are in {}\n", session.records().size(), session.lost_frames(),
                            arguments.out);
   if (!truth.is_null()) {
@@ -97,9 +100,9 @@ Status track(const TrackArguments& arguments) {
   if (!start) return fail(start.error());
   const auto object = arguments.object.make();
   if (!object) return fail(object.error());
-  auto imported = import_as_model(arguments.model);
+  auto imported = arguments.model.import();
   if (!imported) return fail(imported.error());
-  const auto model = std::make_shared<const Model>(std::move(*imported));
+  const auto model = std::make_shared<const Model>(imported->model);
   auto source = ColorRecordingSource::open(arguments.recording);
   if (!source) return fail(source.error());
   auto gpu = GpuContext::create_headless();
@@ -115,7 +118,7 @@ Status track(const TrackArguments& arguments) {
   if (auto done = track_all(**source, *session, model, views); !done) return done;
   const Trajectory trajectory = session->trajectory();
   if (auto done = write_trajectory(arguments.out, trajectory); !done) return done;
-  report(arguments, *session, truth_json(trajectory, (*source)->recording().ground_truth()));
+  report(arguments, *session, truth_json(trajectory, (*source)->recording().ground_truth()), *imported);
   if (!trajectory.empty()) return {};
   return fail("every frame is lost; do --init and the model fit the recording?");
 }
@@ -125,7 +128,7 @@ Status track(const TrackArguments& arguments) {
 void add_track_command(CLI::App& app, Action& action) {
   auto arguments = std::make_shared<TrackArguments>();
   CLI::App* command = app.add_subcommand("track", "track a recording against a model, in batch");
-  command->add_option("--model", arguments->model, "OBJ, PLY, STL, OFF, glTF or GLB, in metres")->required();
+  arguments->model.add_to(*command, "--model");
   command->add_option("--recording", arguments->recording, "folder with rgb.txt and rig.yaml")->required();
   command->add_option("--init", arguments->init, kInitHelp)->required();
   command->add_option("--out", arguments->out, "file for the poses (TUM format, camera to world)")->required();

@@ -8,8 +8,8 @@
 #include <memory>
 
 #include "common/image/image_file.h"
-#include "common/interchange/model_file.h"
 #include "common/program/arguments.h"
+#include "common/program/model_arguments.h"
 #include "server/evaluate/label_score.h"
 #include "server/pipeline/commands.h"
 #include "server/pipeline/examiner.h"
@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct DetectArguments {
-  std::string model;
+  ModelArguments model;
   RecordingArguments recording;
   std::string frames;
   ThresholdArguments threshold;
@@ -164,13 +164,14 @@ std::string changes_text(const nlohmann::json& counts) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-void report(const DetectRun& run) {
-  nlohmann::json json{{"frames", run.results}, {"time_ms", spread_json(run.total_ms)}};
+void report(const DetectRun& run, const ImportedModel& model) {
+  nlohmann::json json{{"frames", run.results}, {"time_ms", spread_json(run.total_ms)}, {"model", import_json(model)}};
   if (run.score) json["truth"] = score_json(*run.score);
   if (run.arguments.json) {
     print_json(json);
     return;
   }
+  std::cout << import_text(run.arguments.model.file, model) << '\n';
   for (const auto& frame : run.results) {
     if (!frame.contains("counts")) {
       std::cout << fmt::format("frame {}: the pose is lost\n", frame["index"].get<int>());
@@ -246,8 +247,8 @@ Status detect(const DetectArguments& arguments) {
     if (!list) return fail(list.error());
     run.frames = std::move(*list);
   }
-  auto model = import_as_model(arguments.model);
-  if (!model) return fail(model.error());
+  const auto imported = arguments.model.import();
+  if (!imported) return fail(imported.error());
   auto frames = arguments.recording.open();
   if (!frames) return fail(frames.error());
   std::error_code error;
@@ -261,8 +262,8 @@ Status detect(const DetectArguments& arguments) {
   if (!examiner) return fail(examiner.error());
   auto views = Views::create(**gpu, frames->rig(), arguments.views);
   if (!views) return fail(views.error());
-  if (auto done = process(run, *model, *frames, *examiner, *views); !done) return done;
-  report(run);
+  if (auto done = process(run, imported->model, *frames, *examiner, *views); !done) return done;
+  report(run, *imported);
   return {};
 }
 
@@ -271,7 +272,7 @@ Status detect(const DetectArguments& arguments) {
 void add_detect_command(CLI::App& app, Action& action) {
   auto arguments = std::make_shared<DetectArguments>();
   CLI::App* command = app.add_subcommand("detect", "compare a recording with a model, in batch");
-  command->add_option("--model", arguments->model, "OBJ, PLY, STL, OFF, glTF or GLB, in metres")->required();
+  arguments->model.add_to(*command, "--model");
   arguments->recording.add_to(*command, true);
   command->add_option("--frames", arguments->frames, "frames to compare, from 0, such as 0,5,10-20; all if not given");
   arguments->threshold.add_to(*command);

@@ -7,6 +7,7 @@
 
 #include "common/base/clock.h"
 #include "common/interchange/model_file.h"
+#include "common/program/model_arguments.h"
 #include "server/pipeline/commands.h"
 #include "server/pipeline/result_json.h"
 
@@ -16,6 +17,7 @@ namespace {
 struct SceneArguments {
   std::string scene;
   std::string file;
+  ModelArguments model;
   std::optional<Revision> revision;  // none: the present one
   bool json = false;
 };
@@ -45,23 +47,30 @@ void print_model(const SceneArguments& arguments, const Model& model) {
 }
 
 Status scene_import(const SceneArguments& arguments) {
-  auto imported = import_as_model(arguments.file);
+  auto imported = arguments.model.import();
   if (!imported) return fail(imported.error());
   auto store = SceneStore::open(arguments.scene, true);
   if (!store) return fail(store.error());
   std::vector<Edit> edits;
   NodeId id = (*store)->next_node_id();
-  for (auto& node : imported->nodes) {
+  for (auto& node : imported->model.nodes) {
     node.id = id++;
     edits.emplace_back(AddNode{node});
   }
   RevisionInfo info;
   info.accepted_ns = wall_clock_ns();
   info.author = "import";
-  info.summary = "imported " + std::filesystem::path(arguments.file).filename().string();
-  info.triangles_added = imported->triangle_count();
+  info.summary = "imported " + std::filesystem::path(arguments.model.file).filename().string();
+  info.triangles_added = imported->model.triangle_count();
   auto model = (*store)->commit(edits, std::move(info));
   if (!model) return fail(model.error());
+  if (arguments.json) {
+    auto json = model_json(**model);
+    json["imported"] = import_json(*imported);
+    print_json(json);
+    return {};
+  }
+  std::cout << import_text(arguments.model.file, *imported) << '\n';
   print_model(arguments, **model);
   return {};
 }
@@ -135,10 +144,10 @@ void add_scene_command(CLI::App& app, Action& action) {
   auto arguments = std::make_shared<SceneArguments>();
   CLI::App* scene = app.add_subcommand("scene", "the scene file: import, export, info, log, undo, redo");
   scene->require_subcommand(1);
-  add_one(*scene, "import", "add a model file as a new revision; makes the scene file when it is not there", arguments,
-          action, scene_import)
-      ->add_option("model", arguments->file, "OBJ, PLY, STL, OFF, glTF or GLB, in metres")
-      ->required();
+  CLI::App* importer =
+      add_one(*scene, "import", "add a model file as a new revision; makes the scene file when it is not there",
+              arguments, action, scene_import);
+  arguments->model.add_to(*importer, "model");
   CLI::App* exporter = add_one(*scene, "export", "write the model", arguments, action, on_store(scene_export));
   exporter->add_option("file", arguments->file, "target: .glb, .ply or .obj")->required();
   exporter->add_option("--revision", arguments->revision, "the model as it was then; the present one if not given");

@@ -120,29 +120,27 @@ TEST_F(Import, RefusesATruncatedGlb) {
 }
 
 TEST_F(Import, ACrashOfTheReaderIsAnError) {
-  const auto crash = [](const std::filesystem::path&) -> Result<std::vector<ImportedPart>> {
+  const auto crash = [](const Progress&) -> Result<ReadParts> {
     std::raise(SIGSEGV);
     return fail("never");
   };
-  const auto parts = run_isolated("x.ply", 5, crash);
+  const auto parts = run_isolated("x.ply", {.max_seconds = 5}, crash);
   ASSERT_FALSE(parts);
   EXPECT_EQ(parts.error().message, "'x.ply' could not be read: the importer crashed; the file is probably damaged");
 }
 
 TEST_F(Import, AnEndlessReaderIsStopped) {
-  const auto loop = [](const std::filesystem::path&) -> Result<std::vector<ImportedPart>> {
+  const auto loop = [](const Progress&) -> Result<ReadParts> {
     for (volatile unsigned i = 0;;) i = i + 1;
   };
-  const auto parts = run_isolated("x.ply", 1, loop);
+  const auto parts = run_isolated("x.ply", {.max_seconds = 1}, loop);
   ASSERT_FALSE(parts);
   EXPECT_NE(parts.error().message.find("stopped after 1 s"), std::string::npos) << parts.error().message;
 }
 
 TEST_F(Import, AReaderThatThrowsIsAnError) {
-  const auto throws = [](const std::filesystem::path&) -> Result<std::vector<ImportedPart>> {
-    throw std::runtime_error("two\nlines");
-  };
-  EXPECT_EQ(run_isolated("x.ply", 5, throws).error().message, "'x.ply' could not be read: two lines");
+  const auto throws = [](const Progress&) -> Result<ReadParts> { throw std::runtime_error("two\nlines"); };
+  EXPECT_EQ(run_isolated("x.ply", {.max_seconds = 5}, throws).error().message, "'x.ply' could not be read: two lines");
 }
 
 TEST_F(Import, SplitsLargePartsAndLosesNothing) {
@@ -169,14 +167,14 @@ TEST_F(Import, MakesAModelOnTheLattice) {
                                            "o dust\nv 0 0 0\nv 0.00001 0 0\nv 0 0.00001 0\nf 4 5 6\n"
                                            "o two\nv 0 0 3.3\nv 1 0 3\nv 0 1 3\nf 7 8 9\n"));
   ASSERT_TRUE(model) << model.error().message;
-  EXPECT_EQ(model->revision, 1u);
-  ASSERT_EQ(model->nodes.size(), 2u);
-  EXPECT_EQ(model->nodes[0].name, "one");
-  EXPECT_EQ(model->nodes[1].name, "two");
+  EXPECT_EQ(model->model.revision, 1u);
+  ASSERT_EQ(model->model.nodes.size(), 2u);
+  EXPECT_EQ(model->model.nodes[0].name, "one");
+  EXPECT_EQ(model->model.nodes[1].name, "two");
   for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_EQ(model->nodes[i].id, i + 1);
-    EXPECT_TRUE(is_on_lattice(*model->nodes[i].submesh));
-    EXPECT_EQ(model->nodes[i].hash, content_hash(*model->nodes[i].submesh));
+    EXPECT_EQ(model->model.nodes[i].id, i + 1);
+    EXPECT_TRUE(is_on_lattice(*model->model.nodes[i].submesh));
+    EXPECT_EQ(model->model.nodes[i].hash, content_hash(*model->model.nodes[i].submesh));
   }
 }
 
@@ -190,13 +188,19 @@ TEST_F(Import, RefusesAModelInOtherUnits) {
 }
 
 TEST(PartBuffer, RefusesEveryTruncationAndExtraBytes) {
-  const std::vector<ImportedPart> parts{{"a", test::grid(2)}, {"", test::grid(1, 1, false)}};
-  auto bytes = to_bytes(parts);
+  const ReadParts read{{{"a", test::grid(2)}, {"", test::grid(1, 1, false)}}, {0.001, LengthUnit::Source::stated}};
+  std::vector<std::byte> bytes;
+  ASSERT_TRUE(write_parts(read, [&bytes](std::span<const std::byte> more) {
+    bytes.insert(bytes.end(), more.begin(), more.end());
+    return true;
+  }));
   const auto back = parts_from_bytes(bytes);
   ASSERT_TRUE(back);
-  ASSERT_EQ(back->size(), 2u);
-  EXPECT_EQ((*back)[0].name, "a");
-  EXPECT_EQ(content_hash((*back)[1].submesh), content_hash(parts[1].submesh));
+  EXPECT_EQ(back->unit.metres, 0.001);
+  EXPECT_EQ(back->unit.source, LengthUnit::Source::stated);
+  ASSERT_EQ(back->parts.size(), 2u);
+  EXPECT_EQ(back->parts[0].name, "a");
+  EXPECT_EQ(content_hash(back->parts[1].submesh), content_hash(read.parts[1].submesh));
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     EXPECT_FALSE(parts_from_bytes(std::span{bytes}.first(size))) << size;
   }
