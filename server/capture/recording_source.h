@@ -17,7 +17,7 @@ class RecordingSource : public RgbdSource {
     /// True: next() sleeps until the frame is due, counted from the first call. False: as fast as frames are read.
     bool real_time = false;
     /// Replaces the rig's sensor model.
-    std::optional<SensorModel> sensor;
+    std::optional<SensorModel> sensor = std::nullopt;
   };
 
   /// Refuses a recording without depth images. `rig_file` replaces the recording's own rig.yaml.

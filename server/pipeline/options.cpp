@@ -50,7 +50,7 @@ void RecordingArguments::add_source_options(CLI::App& command) {
 }
 
 Result<TrackedFrames> RecordingArguments::open(bool live, bool real_time) const {
-  RecordingSource::Options source_options{.real_time = real_time, .sensor = std::nullopt};
+  RecordingSource::Options source_options{.real_time = real_time};
   if (!sensor.empty()) {
     auto model = parse_sensor(sensor);
     if (!model) return fail("--sensor", model.error());

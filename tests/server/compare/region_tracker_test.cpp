@@ -196,7 +196,7 @@ TEST_F(RegionTrackerTest, ViewsBeforeARestCount) {
   for (int frame = 0; frame < 10; ++frame) {
     clear();
     const int shift = frame == 0 ? 0 : 12;
-    T_camera_world_ = at(shift * (kWall_m + kWeak_m) / camera_.fx, 0, 0);
+    T_camera_world_ = at(shift * static_cast<double>(kWall_m + kWeak_m) / camera_.fx, 0, 0);
     paint({200 + shift, 200, 60, 50}, Label::closer, kWeak_m);
     const auto map = update();
     EXPECT_EQ(map.regions[0].views_seen, frame == 0 ? 1 : 2);
