@@ -223,7 +223,7 @@ TEST_F(ImplicitRendererTest, DrawsTheSameIntoAnArea) {
   renderer_->render(model, view);
   const auto whole = renderer_->read_depth();
   view.area = ScreenArea{40, 30, 50, 40};
-  view.depth_only = true;
+  view.nodes = view.color = false;
   renderer_->render(model, view);
   const auto part = renderer_->read_depth();
   for (int v = 30; v < 70; ++v) {

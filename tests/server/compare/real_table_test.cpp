@@ -54,7 +54,7 @@ TEST_P(RealTable, ThingsOnItAreCloser) {
   ASSERT_TRUE(depth) << depth.error().message;
   const auto truth = read_png8(kTables / (name + "_gt.png"));
   ASSERT_TRUE(truth) << truth.error().message;
-  input_.model = &*model;
+  input_.model = &model->model;
   input_.camera = registered_kinect();
   input_.sensor = SensorModel{SensorModel::Kind::kinect1};
   input_.pose = {};
