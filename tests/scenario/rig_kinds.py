@@ -11,6 +11,9 @@ STATION = programs.STATION
 REWRITE = pathlib.Path(os.environ["MESHLOOP_REWRITE"])
 # Of the labels closer and unmodelled, without noise: outlines are what is left.
 LEAST_IOU = 0.99
+# A Kinect's threshold reaches two pixels to the side: where a measurement lies there between two surfaces it is undecided,
+# which is one pixel in a hundred of what changes in so small a picture.
+LEAST_IOU_SMALL = 0.985
 # A bent image takes the nearest measurement twice, which moves outlines by up to a pixel.
 LEAST_IOU_BENT = 0.98
 # With a Kinect's noise of 0.8 px to the side, outlines weigh the more the fewer pixels there are.
@@ -98,7 +101,7 @@ for size in ((640, 480), (176, 144), (320, 240), (1280, 720)):
         name = f"{text}_noise{noise}"
         result = detect(name, simulate(name, noise, "--color-size", text, "--depth-size", text))
         if noise == 0:
-            check_exact(name, result)
+            check_exact(name, result, LEAST_IOU_SMALL if size[0] < 200 else LEAST_IOU)
             areas[size] = region_areas(result)
             ratios = [a / b for a, b in zip(areas[size], areas[(640, 480)])]
             same = len(areas[size]) == len(areas[(640, 480)])
@@ -115,7 +118,7 @@ print("-- depth and colour that differ")
 for name, color, depth in (("coarse_depth", (1280, 720), (176, 144)), ("coarse_color", (320, 240), (640, 480)),
                            ("odd_sizes", (641, 359), (333, 251))):
     data = simulate(name, 0, "--color-size", f"{color[0]}x{color[1]}", "--depth-size", f"{depth[0]}x{depth[1]}")
-    check_exact(name, detect(name, data))
+    check_exact(name, detect(name, data), LEAST_IOU_SMALL if depth[0] < 200 else LEAST_IOU)
     check_difference(name, depth)
     check_views(name, color, depth)
 data = simulate("registered", 0, "--registered", "--color-size", "640x360", "--depth-size", "320x240")
@@ -158,6 +161,6 @@ programs.check(safe == [paper[1], paper[0]], f"the safe palette colours the same
 programs.check(faint[0] == 0, f"at an opacity of 0.5 nothing below two metres is solid: {faint}")
 detect("without", small, "--views", "none", frames="3")
 detect("depth_only", small, "--views", "depth", frames="3")
-names = {name: sorted(p.name for p in (path / f"{name}_out").iterdir()) for name in ("without", "depth_only")}
-programs.check(len(names["without"]) == 2 and len(names["depth_only"]) == 3, f"only the views that were asked for: {names}")
+names = {name: sorted(p.name for p in (path / f"{name}_out").glob("overlay*")) for name in ("without", "depth_only")}
+programs.check(names == {"without": [], "depth_only": ["overlay_depth_000003.png"]}, f"only the views that were asked for: {names}")
 programs.end()
