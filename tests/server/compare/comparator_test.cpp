@@ -88,6 +88,43 @@ TEST_F(ComparatorTest, ThresholdsAndDifferencesAreThoseOfTheCpu) {
   EXPECT_GT(compared, 40000U);
 }
 
+// Every term of the threshold at once, each large enough to be missed.
+TEST_F(ComparatorTest, AllTermsOfTheThresholdAreThoseOfTheCpu) {
+  SensorNoise noise;
+  noise.axial = {0.002, -0.001, 0.002};
+  noise.nearest_m = 1.3;
+  noise.farthest_m = 2.2;  // the room lies before, in and behind the range
+  noise.step_per_m = 0.004;
+  noise.lateral_px = 0.7;
+  input_.sensor = SensorModel::measured(noise).value();
+  Eigen::Matrix4d A;
+  A << 2, 0.5, -1, 0.3, 0.2, 3, 0.4, -0.6, 1, 0, 2, 0.5, -0.3, 0.8, 0.1, 1.5;
+  input_.intrinsics_covariance = A * A.transpose();
+  input_.model_sigma_m = 0.002;
+  Image<std::uint8_t> frames(320, 240);
+  for (std::size_t i = 0; i < frames.size(); ++i) frames.data()[i] = static_cast<std::uint8_t>(i % 13);
+  look_at(changed_model(), 5);
+  const auto one_frame = on_gpu();
+  input_.frames_averaged = &frames;
+  const auto cpu = on_cpu();
+  const auto gpu = on_gpu();
+  EXPECT_GE(agreement(cpu.labels, gpu.labels), 0.999);
+  std::size_t compared = 0;
+  std::size_t smaller = 0;
+  for (int v = 0; v < 240; ++v) {
+    for (int u = 0; u < 320; ++u) {
+      const float threshold = cpu.threshold_m(u, v);
+      if (is_near_edge(cpu.node_index, u, v, 2) || cpu.node_index(u, v) == 4) continue;
+      if (std::isinf(threshold) || std::isinf(gpu.threshold_m(u, v))) continue;
+      ASSERT_NEAR(gpu.threshold_m(u, v), threshold, 0.01 * threshold) << u << ", " << v;
+      ++compared;
+      smaller += gpu.threshold_m(u, v) < one_frame.threshold_m(u, v) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(compared, 40000U);
+  EXPECT_GT(smaller, compared / 2);
+}
+
 TEST_F(ComparatorTest, NoiseFreeComparisonIsExactToThePixel) {
   input_.sensor = *SensorModel::constant(0.0005);
   input_.pose.covariance = 1e-12 * PoseCovariance::Identity();
