@@ -15,8 +15,6 @@ namespace meshloop::test {
 /// True in builds with a sanitizer, where times mean nothing and large inputs take minutes.
 #ifdef MESHLOOP_SANITIZED
 inline constexpr bool kSanitized = true;
-#elif defined(__has_feature)  // clang
-inline constexpr bool kSanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
 #else
 inline constexpr bool kSanitized = false;
 #endif
