@@ -26,7 +26,8 @@ def check_loop(out, report):
     delays = publish["accept_to_drawn_ms_by_revision"]
     # Nothing can be drawn while the handheld does not know where it is.
     prompt = sorted(ms for revision, ms in delays.items() if int(revision) not in publish["waited_for_pose"])
-    # On two idle cores a picture of the device takes 110 to 130 ms. A busy machine is told by that, and given longer.
+    # 500 ms, or as long as the device takes for four pictures: 600 to 830 ms beside the station on two cores, more on a
+    # busy machine.
     times = report["times_ms"]
     limit = max(500, 4 * (times["track"] + times["draw"]))
     slow = [ms for ms in prompt if ms >= limit]
