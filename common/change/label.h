@@ -36,7 +36,7 @@ inline constexpr std::array<LabelInfo, 6> kLabels{{
      Opacity::constant,
      {0, 160, 0},
      {0, 158, 115},
-     "modelled, no depth measured"},
+     "no depth measured"},
     {Label::unmodelled,
      "unmodelled",
      ChangeKind::insertion,
