@@ -48,13 +48,14 @@ Pose StationPath::at(double t_s) const {
 }
 
 Pose DevicePath::at(double t_s) const {
-  // It begins where a marker lies whole in the picture.
+  // It begins where a marker lies whole in the picture, and is nearest on the side where bricks are behind the box.
   constexpr double kStart = 0.9;
+  constexpr double kNearest = 4.4;
   const double angle = kStart + kTurn * t_s / round_s;
-  // Around the box, so near that it outweighs in the picture all else that the model has.
   const Eigen::Vector3d centre(0.31, 0, 0.06);
-  const double height = 0.36 + 0.02 * std::sin(2 * angle);
-  const Eigen::Vector3d eye = on_circle(centre, angle, 0.57 + 0.02 * std::sin(3 * angle), height);
+  const double distance = nearest_m + (farthest_m - nearest_m) * (1 - std::cos(angle - kNearest)) / 2;
+  const double height = 0.20 + 0.28 * distance + 0.02 * std::sin(2 * angle);
+  const Eigen::Vector3d eye = on_circle(centre, angle, distance, height);
   return look_at(eye + 0.004 * wobble(t_s, 0.7), centre + 0.006 * wobble(t_s, 1.9), Eigen::Vector3d::UnitZ());
 }
 

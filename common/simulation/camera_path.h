@@ -16,10 +16,11 @@ struct StationPath {
   [[nodiscard]] Pose at(double t_s) const;
 };
 
-/// A steady walk around the box, near enough that it fills much of the picture, once in `round_s` seconds, from the
-/// front.
+/// A steady walk around the box, once in `round_s` seconds from the front, that comes nearer on its way.
 struct DevicePath {
   double round_s = 6;
+  double farthest_m = 1.15;
+  double nearest_m = 1.15;
 
   [[nodiscard]] Pose at(double t_s) const;
 };

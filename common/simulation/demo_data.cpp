@@ -1,10 +1,12 @@
 #include "common/simulation/demo_data.h"
 
+#include <array>
 #include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "common/interchange/model_file.h"
 #include "common/recording/marker_file.h"
@@ -19,6 +21,9 @@ namespace fs = std::filesystem;
 
 // Gives about 100,000 triangles in the model.
 constexpr double kEdge_m = 0.02;
+// So near on one side that the box fills the picture, and a model that is wrong there is of no use.
+constexpr double kFarthest_m = 0.57;
+constexpr double kNearest_m = 0.45;
 
 Status check(const DemoOptions& options) {
   if (!(options.noise >= 0 && options.noise <= 10)) return fail("noise must be from 0 to 10", ErrorKind::usage);
@@ -65,19 +70,39 @@ class Progress {
   std::atomic<bool> failed_ = false;
 };
 
+using DeviceRecordings = std::vector<std::unique_ptr<DeviceRecording>>;
+
+Result<DeviceRecordings> device_recordings(const fs::path& folder, const Scene& before, const Scene& after,
+                                           const DemoOptions& options) {
+  struct Walk {
+    const char* name;
+    const Scene& scene;
+    double farthest_m;
+    double nearest_m;
+  };
+  const std::array<Walk, 3> walks{{{"device", after, 1.15, 1.15},
+                                   {"device_before_move", before, kFarthest_m, kNearest_m},
+                                   {"device_after_move", after, kFarthest_m, kNearest_m}}};
+  DeviceRecordings recordings;
+  std::uint64_t seed = mix(options.seed);
+  for (const Walk& walk : walks) {
+    auto recording = DeviceRecording::create(folder / walk.name, walk.scene, options,
+                                             {.farthest_m = walk.farthest_m, .nearest_m = walk.nearest_m}, mix(++seed));
+    if (!recording) return fail(recording.error());
+    recordings.push_back(std::move(*recording));
+  }
+  return recordings;
+}
+
 Status write_recordings(const fs::path& folder, const Scene& before, const Scene& after, const DemoOptions& options,
                         const std::function<void(int, int)>& report) {
   auto station = StationRecording::create(folder, before, after, options);
   if (!station) return fail(station.error());
-  const std::uint64_t seed = mix(options.seed);
-  auto device_before = DeviceRecording::create(folder / "device_before_move", before, options, mix(seed + 1));
-  if (!device_before) return fail(device_before.error());
-  auto device_after = DeviceRecording::create(folder / "device_after_move", after, options, mix(seed + 2));
-  if (!device_after) return fail(device_after.error());
+  auto devices = device_recordings(folder, before, after, options);
+  if (!devices) return fail(devices.error());
 
-  const int first_device = (*station)->frames();
-  const int second_device = first_device + (*device_before)->frames();
-  const int all = second_device + (*device_after)->frames();
+  const int of_station = (*station)->frames();
+  const int all = of_station + static_cast<int>(devices->size()) * options.device_frames;
   Progress progress(all, report);
   const auto make = [&](auto& recording, int index) {
     // After a failure the others that wait for their turn must still get it.
@@ -85,13 +110,9 @@ Status write_recordings(const fs::path& folder, const Scene& before, const Scene
     progress.frame_done(recording.make_frame(index));
   };
   for_each_parallel(all, processor_count(), [&](int i) {
-    if (i < first_device) {
-      make(**station, i);
-    } else if (i < second_device) {
-      make(**device_before, i - first_device);
-    } else {
-      make(**device_after, i - second_device);
-    }
+    if (i < of_station) return make(**station, i);
+    const int of_devices = i - of_station;
+    make(*(*devices)[static_cast<std::size_t>(of_devices / options.device_frames)], of_devices % options.device_frames);
   });
   if (auto ok = progress.status(); !ok) return ok;
   return (*station)->finish();

@@ -26,7 +26,7 @@ struct DemoOptions {
   unsigned seed = 1;
   /// Frames of the station's recording (both halves together) and of each recording of the device.
   int station_frames = 120;
-  int device_frames = 180;
+  int device_frames = 120;
   DemoRig rig;
 };
 
@@ -39,7 +39,8 @@ struct DemoOptions {
 ///   station_truth/         for each depth frame, exact depth: expected_NNNNNN.tiff of the model at the start,
 ///                          measured_NNNNNN.tiff of the scene, and in the second half previous_NNNNNN.tiff of the
 ///                          scene with the box at its first place; frames.txt with times and poses
-///   device_before_move/    colour on a circle around the box, which stands at its first place, with groundtruth.txt
+///   device/                colour on a circle around the box, which stands at its second place, with groundtruth.txt
+///   device_before_move/    colour on a nearer way around the box, which stands at its first place; the same files
 ///   device_after_move/     the same way, the box at its second place
 /// Refuses a folder that holds such recordings already. Calls progress(done, all) after each frame, from any thread,
 /// one at a time.

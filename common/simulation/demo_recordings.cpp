@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr double kStart_s = 1;
 constexpr double kStationPeriod_s = 0.1;
 // A walk around the box in twelve seconds: a software renderer with two cores sees five pictures a second of it.
-constexpr double kDevicePeriod_s = 1.0 / 15;
+constexpr double kDevicePeriod_s = 0.1;
 constexpr double kDepthDelay_s = 0.012;
 constexpr double kGap_s = 2;
 constexpr double kColorNoise = 2;
@@ -155,20 +155,28 @@ Status StationRecording::finish() const {
 }
 
 DeviceRecording::DeviceRecording(RecordingWriter writer, const Scene& scene, const DemoOptions& options,
-                                 std::uint64_t noise_seed)
-    : options_{options}, rig_{demo_rig(options)}, scene_{scene}, noise_seed_{noise_seed}, writer_{std::move(writer)} {}
+                                 const DevicePath& path, std::uint64_t noise_seed)
+    : options_{options},
+      rig_{demo_rig(options)},
+      scene_{scene},
+      path_{path},
+      noise_seed_{noise_seed},
+      writer_{std::move(writer)} {}
 
 Result<std::unique_ptr<DeviceRecording>> DeviceRecording::create(const fs::path& folder, const Scene& scene,
-                                                                 const DemoOptions& options, std::uint64_t noise_seed) {
+                                                                 const DemoOptions& options, const DevicePath& path,
+                                                                 std::uint64_t noise_seed) {
   auto writer = RecordingWriter::create(folder, demo_rig(options));
   if (!writer) return fail(writer.error());
-  return std::unique_ptr<DeviceRecording>(new DeviceRecording(std::move(*writer), scene, options, noise_seed));
+  return std::unique_ptr<DeviceRecording>(new DeviceRecording(std::move(*writer), scene, options, path, noise_seed));
 }
 
 Status DeviceRecording::make_frame(int index) {
   Turns::Turn turn(turns_, index);
   const double in_round_s = kDevicePeriod_s * index;
-  const Pose T_world_color = DevicePath{kDevicePeriod_s * options_.device_frames}.at(in_round_s);
+  DevicePath path = path_;
+  path.round_s = kDevicePeriod_s * options_.device_frames;
+  const Pose T_world_color = path.at(in_round_s);
   const std::uint64_t seed = random_bits(noise_seed_, static_cast<std::uint64_t>(index));
   const ColorImage color = color_frame(scene_, rig_.color, T_world_color, options_.noise, seed);
   turn.wait();

@@ -53,18 +53,20 @@ class DeviceRecording {
  public:
   [[nodiscard]] static Result<std::unique_ptr<DeviceRecording>> create(const std::filesystem::path& folder,
                                                                        const Scene& scene, const DemoOptions& options,
+                                                                       const DevicePath& path,
                                                                        std::uint64_t noise_seed);
 
-  [[nodiscard]] int frames() const { return options_.device_frames; }
   [[nodiscard]] Status make_frame(int index);
   void skip_frame(int index) { const Turns::Turn turn(turns_, index); }
 
  private:
-  DeviceRecording(RecordingWriter writer, const Scene& scene, const DemoOptions& options, std::uint64_t noise_seed);
+  DeviceRecording(RecordingWriter writer, const Scene& scene, const DemoOptions& options, const DevicePath& path,
+                  std::uint64_t noise_seed);
 
   DemoOptions options_;
   Rig rig_;
   const Scene& scene_;
+  DevicePath path_;
   std::uint64_t noise_seed_;
   RecordingWriter writer_;
   Turns turns_;

@@ -30,8 +30,8 @@ prepare_out() {
 make_simulated_data() {
   say "simulating a scene, a Kinect and a handheld camera"
   "$bin/meshloop-station" simulate --out "$out/data" --noise "$noise" --seed "$seed"
-  model=$out/data/model.ply station=$out/data/station device_first=$out/data/device_before_move
-  device_last=$out/data/device_after_move
+  model=$out/data/model.ply station=$out/data/station device=$out/data/device
+  device_first=$out/data/device_before_move device_last=$out/data/device_after_move
   start=(--markers "$out/data/markers.yaml")
   device_start=markers:$out/data/markers.yaml
   object=(--object-at 0.02,0.16,0 --object-height 0.3)
@@ -40,7 +40,7 @@ make_simulated_data() {
 make_real_data() {
   say "converting the real sequence"
   python3 "$here/convert_castel.py" /usr/share/visp-images-data/ViSP-images/mbt-depth/castel "$out/data"
-  model=$out/data/model.obj station=$out/data device_first=$station device_last=$station
+  model=$out/data/model.obj station=$out/data device=$station device_first=$station
   start=(--init "pose:$(cat "$out/data/start_pose.txt")")
   device_start=pose:$(cat "$out/data/start_pose.txt")
   object=(--object-at=-0.042,0.081,-0.065 --object-up 0,1,0 --object-height 0.07)
@@ -59,12 +59,13 @@ wait_for() {
 run_loop() {
   say "the loop: the station plays its recording; the device joins when the first revision is there"
   "$bin/meshloop-station" scene import --scene "$out/scene.db" "$model"
-  "$bin/meshloop-station" run --scene "$out/scene.db" --name demo --domain $domain --source "recording:$station" \
+  # Two machines in one: the handheld must keep pace with its camera, the station's recording waits for it.
+  nice -n 5 "$bin/meshloop-station" run --scene "$out/scene.db" --name demo --domain $domain --source "recording:$station" \
     "${start[@]}" --accept all --out "$out/station" --serve -1 --json >"$out/station.jsonl" 2>"$out/station.log" &
   local station_pid=$!
   trap 'kill $(jobs -p) 2>/dev/null || true' EXIT
   wait_for 60 '"event":"revision"' "$out/station.jsonl" $station_pid
-  "$bin/meshloop-device" run --scene demo --domain $domain --camera "recording:$device_last" --loop \
+  "$bin/meshloop-device" run --scene demo --domain $domain --camera "recording:$device" --loop \
     --display "offscreen:$out/device" --every 30 --init "$device_start" "${object[@]}" \
     --report "$out/device.json" --json >"$out/device.jsonl" 2>"$out/device.log" &
   local device_pid=$!

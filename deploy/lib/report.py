@@ -66,7 +66,9 @@ def tracking(out):
         for when, result in (("before", before), ("after", after)):
             truth = result["truth"] or {}
             entry[when] = {"mean_error_m": truth.get("mean_error_m"), "max_error_m": truth.get("max_error_m"),
-                           "lost": result["lost"], "frames": len(result["frames"])}
+                           "lost": result["lost"], "frames": len(result["frames"]),
+                           # A frame that is lost is not placed.
+                           "placed_share": ratio(truth.get("within_1cm", 0), len(result["frames"])) if truth else None}
         adjustments.append(entry)
     return adjustments
 
@@ -101,6 +103,8 @@ def collect(out):
             # The model that the loop began with on the first circle, the model that it ended with on the last.
             "mean_error_m": {"before": adjustments[0]["before"]["mean_error_m"],
                              "after": adjustments[-1]["after"]["mean_error_m"]},
+            "placed_share": {"before": adjustments[0]["before"]["placed_share"],
+                             "after": adjustments[-1]["after"]["placed_share"]},
             "lost_frames": sum(a["after"]["lost"] for a in adjustments),
             "adjustments": adjustments,
             "station_lost_frames": sum(1 for e in events if e["event"] == "frame" and e["state"] == "lost"),

@@ -56,6 +56,8 @@ def summary_rows(report):
         ("from acceptance to drawn on the device, slowest revision", number(publish["accept_to_drawn_ms"], " ms", 0)),
         ("mean tracking error with the first / the adjusted model",
          f"{millimetres(track['mean_error_m']['before'])} / {millimetres(track['mean_error_m']['after'])}"),
+        ("frames placed within 1 cm with the first / the adjusted model",
+         f"{percent(track['placed_share']['before'], 0)} / {percent(track['placed_share']['after'], 0)}"),
         ("lost frames while tracking the adjusted models", str(track["lost_frames"])),
     ]
 
@@ -78,7 +80,7 @@ def adjustment_rows(report):
         for when in ("before", "after"):
             e = a[when]
             rows.append((f"{html.escape(a['what'])}: {when}", millimetres(e["mean_error_m"]), millimetres(e["max_error_m"]),
-                         f"{e['lost']} of {e['frames']}"))
+                         f"{e['lost']} of {e['frames']}", percent(e["placed_share"], 0)))
     return rows
 
 
@@ -172,7 +174,7 @@ handheld device, another process, received it, tracked its camera against it and
 {table(("revision", "frame", "triangles +", "triangles -", "bytes", "uncompressed", "share", "accepted to drawn"), revision_rows(report))}
 <h2>What the handheld sees</h2>{views(out, report)}
 <h2>How well the handheld knows where it is</h2>
-{table(("model", "mean error", "largest", "lost frames"), adjustment_rows(report))}
+{table(("model", "mean error", "largest", "lost frames", "placed within 1 cm"), adjustment_rows(report))}
 <p class="note">Distance between tracked and true camera position, over the frames that were not lost.</p>
 {camera_paths(curves)}
 {detection_part}

@@ -75,16 +75,18 @@ nlohmann::json truth_json(const Trajectory& tracked, const std::optional<Traject
   double sum = 0;
   double largest = 0;
   int frames = 0;
+  int within_1cm = 0;
   for (const auto& pose : tracked) {
     const auto true_pose = pose_at(*truth, pose.timestamp_s);
     if (!true_pose) continue;
     const double error = (pose.T_world_camera.translation() - true_pose->translation()).norm();
     sum += error;
     largest = std::max(largest, error);
+    within_1cm += error <= 0.01 ? 1 : 0;
     ++frames;
   }
   if (frames == 0) return nullptr;
-  return {{"mean_error_m", sum / frames}, {"max_error_m", largest}, {"frames", frames}};
+  return {{"mean_error_m", sum / frames}, {"max_error_m", largest}, {"within_1cm", within_1cm}, {"frames", frames}};
 }
 
 }  // namespace meshloop

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "device/track/alignment.h"
 #include "device/track/known_views.h"
@@ -53,7 +54,8 @@ class FeatureModelTracker final : public ModelTracker {
 
  private:
   [[nodiscard]] std::optional<Alignment> go_on(const Model& model, const Picture& picture, double timestamp_s);
-  [[nodiscard]] std::optional<Alignment> recover(const Model& model, const Picture& picture, double timestamp_s) const;
+  [[nodiscard]] std::vector<Pose> places_to_try(const Picture& picture, double timestamp_s) const;
+  [[nodiscard]] std::optional<Alignment> recover(const Model& model, const Picture& picture, double timestamp_s);
   [[nodiscard]] bool is_sure(const std::optional<Alignment>& found) const;
   [[nodiscard]] std::optional<Alignment> found_from(const Model& model, const Picture& picture,
                                                     const Pose& start) const;
@@ -72,6 +74,8 @@ class FeatureModelTracker final : public ModelTracker {
   FeatureSet features_;
   KnownViews known_views_;
   int doubtful_frames_ = 0;
+  /// Since the pose was lost.
+  unsigned wide_searches_ = 0;
 };
 
 void FeatureModelTracker::start_at(const Pose& T_camera_world) {
@@ -114,17 +118,25 @@ std::optional<Alignment> FeatureModelTracker::go_on(const Model& model, const Pi
   return found;
 }
 
-std::optional<Alignment> FeatureModelTracker::recover(const Model& model, const Picture& picture,
-                                                      double timestamp_s) const {
-  if (auto found = found_from(model, picture, last_.T_camera_world)) return found;
+std::vector<Pose> FeatureModelTracker::places_to_try(const Picture& picture, double timestamp_s) const {
+  std::vector<Pose> places{last_.T_camera_world};
   const Pose prediction = predict(before_, last_, timestamp_s);
-  if (!prediction.isApprox(last_.T_camera_world)) {
-    if (auto found = found_from(model, picture, prediction)) return found;
-  }
+  if (!prediction.isApprox(last_.T_camera_world)) places.push_back(prediction);
   for (const KnownView* view : known_views_.similar_to(picture.grey, kViewsToTry)) {
     const auto pose = pose_from_view(*view, picture.grey, camera_, options_.min_inliers);
-    if (auto found = found_from(model, picture, pose ? pose->T_camera_world : view->T_camera_world)) return found;
+    places.push_back(pose ? pose->T_camera_world : view->T_camera_world);
   }
+  return places;
+}
+
+std::optional<Alignment> FeatureModelTracker::recover(const Model& model, const Picture& picture, double timestamp_s) {
+  const std::vector<Pose> places = places_to_try(picture, timestamp_s);
+  for (const Pose& place : places) {
+    if (auto found = align_closely(*renderer_, model, camera_, picture, place, {}); is_sure(found)) return found;
+  }
+  // A wide search takes as long as all of these: one for each frame, from another place each time.
+  const Pose& place = places[wide_searches_++ % places.size()];
+  if (auto found = align_widely(*renderer_, model, camera_, picture, place); is_sure(found)) return found;
   return std::nullopt;
 }
 
@@ -176,6 +188,7 @@ TrackedPose FeatureModelTracker::track(const ColorFrame& frame, const std::share
     found = found_from(*model, picture, last_.T_camera_world);
   } else if (mode_ == Mode::tracking) {
     found = go_on(*model, picture, frame.timestamp_s);
+    wide_searches_ = 0;
   } else {
     found = recover(*model, picture, frame.timestamp_s);
     state = TrackState::relocalised;

@@ -49,11 +49,10 @@ def check_tracking(report):
     for adjustment in track["adjustments"]:
         after = adjustment["after"]["mean_error_m"]
         programs.check(after <= 0.01, f"{adjustment['name']}: mean error {after * 1000:.1f} mm after: at most 10")
-    before, after = (track["adjustments"][0][when]["mean_error_m"] for when in ("before", "after"))
-    programs.check(before >= 2 * after, f"what was missing is inserted: {before * 1000:.1f} to {after * 1000:.1f} mm")
-    # The tracker mostly leaves out a box that stands 2 cm elsewhere, so there is little to gain; nothing may be lost.
-    before, after = (track["adjustments"][-1][when]["mean_error_m"] for when in ("before", "after"))
-    programs.check(after <= before + 0.0005, f"the moved box is put right: {before * 1000:.2f} to {after * 1000:.2f} mm")
+        # The tracker says lost rather than follow what the model contradicts, so the error of what is left tells little.
+        before, after = (adjustment[when]["placed_share"] for when in ("before", "after"))
+        programs.check(before <= 0.8 and after >= 0.98,
+                       f"{adjustment['name']}: placed within 1 cm: {before:.0%} of the frames before, {after:.0%} after")
     error = track["mean_error_m"]
     programs.check(error["before"] >= 2 * error["after"],
                    f"mean error {error['before'] * 1000:.2f} mm before the loop, {error['after'] * 1000:.2f} after: clearly worse")

@@ -68,7 +68,7 @@ TEST_F(DemoData, HoldsEveryFileThatItsHeaderNames) {
   options.station_frames = 4;
   options.device_frames = 3;
   ASSERT_TRUE(succeeded(write_demo_data(folder_, options, nullptr)));
-  for (const char* name : {"device_before_move", "device_after_move"}) {
+  for (const char* name : {"device", "device_before_move", "device_after_move"}) {
     const auto device = Recording::open(folder_ / name);
     ASSERT_TRUE(device) << device.error().message;
     EXPECT_EQ(device->color_images().size(), 3u);
