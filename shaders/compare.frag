@@ -6,8 +6,8 @@ precision highp int;
 #include "common/change/classify_rule.h"
 #include "shaders/compare.glsl"
 
-// Bits of expected depth, node, bits of the threshold, label.
-layout(location = 0) out uvec4 result;
+// Bits of the threshold, label.
+layout(location = 0) out uvec2 result;
 
 // Depth for the pixels that do need it, and for the others: the second pass is drawn between the two. A software
 // rasteriser runs both sides of an `if` for every pixel, but leaves out what the depth test refuses.
@@ -18,12 +18,11 @@ void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   float measured_m = texelFetch(measured_image, pixel, 0).r;
   float expected_m = texelFetch(expected_image, pixel, 0).r;
-  uint node = texelFetch(node_image, pixel, 0).r;
   bool is_measured = measured_m > 0.0;
   float threshold_m = threshold_at(pixel, sight_at(pixel, measured_m, expected_m), measured_m, expected_m);
   if (!is_measured) threshold_m = kNoThreshold_m;
   bool is_done = fixed_threshold_m > 0.0 || !needs_neighbourhood(measured_m, expected_m, threshold_m);
   uint label = classify(measured_m, expected_m, threshold_m, expected_m, expected_m, !(expected_m > 0.0));
   gl_FragDepth = is_done ? kDone : kToBeContinued;
-  result = uvec4(floatBitsToUint(expected_m), node, floatBitsToUint(threshold_m), label);
+  result = uvec2(floatBitsToUint(threshold_m), label);
 }

@@ -6,8 +6,7 @@ const float kGrazing = 1.04719755120;  // 60 degrees
 
 layout(binding = 0) uniform highp sampler2D measured_image;
 layout(binding = 1) uniform highp sampler2D expected_image;
-layout(binding = 2) uniform highp usampler2D node_image;
-layout(binding = 3) uniform highp usampler2D frames_image;
+layout(binding = 2) uniform highp usampler2D frames_image;
 
 layout(location = 0) uniform vec4 intrinsics;  // fx, fy, cx, cy
 // SensorNoise: coefficients of the axial sigma by depth; range (2), grows at grazing views, step; lateral sigma, its

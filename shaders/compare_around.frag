@@ -6,8 +6,8 @@ precision highp int;
 #include "common/change/classify_rule.h"
 #include "shaders/compare.glsl"
 
-// Bits of expected depth, node, bits of the threshold, label.
-layout(location = 0) out uvec4 result;
+// Bits of the threshold, label.
+layout(location = 0) out uvec2 result;
 
 // How far to each side, in pixels, a surface may lie that was measured here.
 int reach_at(Sight sight) {
@@ -57,9 +57,8 @@ void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   float measured_m = texelFetch(measured_image, pixel, 0).r;
   float expected_m = texelFetch(expected_image, pixel, 0).r;
-  uint node = texelFetch(node_image, pixel, 0).r;
   Sight sight = sight_at(pixel, measured_m, expected_m);
   float threshold_m = threshold_at(pixel, sight, measured_m, expected_m);
   uint label = label_at(pixel, measured_m, expected_m, threshold_m, reach_at(sight), sight.inverse_depth_slope);
-  result = uvec4(floatBitsToUint(expected_m), node, floatBitsToUint(threshold_m), label);
+  result = uvec2(floatBitsToUint(threshold_m), label);
 }

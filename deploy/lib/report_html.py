@@ -121,7 +121,7 @@ def first_and_last(folder, pattern):
 
 
 # Where along the device's path the box stands between its camera and the lighthouse: behind its middle, behind its edge.
-VIEW_AT = {"insertion": 24 / 36, "move": 22 / 36}
+VIEW_AT = {"insertion": 15 / 24, "move": 14 / 24}
 
 
 def sample_view(out, name, when):

@@ -38,12 +38,10 @@ enum Uniform : GLint {
 
 // What the shader writes for one pixel.
 struct PackedPixel {
-  std::uint32_t expected_bits;
-  std::uint32_t node;
   std::uint32_t threshold_bits;
   std::uint32_t label;
 };
-static_assert(sizeof(PackedPixel) == 16);
+static_assert(sizeof(PackedPixel) == 8);
 
 struct Targets {
   int width;
@@ -60,7 +58,7 @@ struct Targets {
         height{high},
         measured{make_texture(GL_R32F, wide, high)},
         frames_averaged{make_texture(GL_R8UI, wide, high)},
-        result{make_texture(GL_RGBA32UI, wide, high)},
+        result{make_texture(GL_RG32UI, wide, high)},
         progress{make_texture(GL_DEPTH_COMPONENT16, wide, high)} {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, result.name(), 0);
@@ -123,20 +121,19 @@ void bind_texture(GLuint unit, GLuint texture) {
   glBindTexture(GL_TEXTURE_2D, texture);
 }
 
-Comparison unpack(const Image<PackedPixel>& packed, const DepthImage& measured) {
+Comparison unpack(const Image<PackedPixel>& packed, const DepthImage& measured, DepthImage expected,
+                  Image<std::uint32_t> nodes) {
   const int width = packed.width();
   const int height = packed.height();
-  Comparison result{Image<Label>(width, height), Image<float>(width, height), DepthImage(width, height),
-                    Image<std::uint32_t>(width, height), Image<float>(width, height)};
+  Comparison result{Image<Label>(width, height), Image<float>(width, height), std::move(expected), std::move(nodes),
+                    Image<float>(width, height)};
   for (std::size_t i = 0; i < packed.size(); ++i) {
     const PackedPixel& pixel = packed.data()[i];
-    const float expected_m = std::bit_cast<float>(pixel.expected_bits);
+    const float expected_m = result.expected.data()[i];
     const float threshold_m = std::bit_cast<float>(pixel.threshold_bits);
     const float measured_m = measured.data()[i];
     const bool both = expected_m > 0 && measured_m > 0;
     result.labels.data()[i] = static_cast<Label>(pixel.label);
-    result.expected.data()[i] = expected_m;
-    result.node_index.data()[i] = pixel.node;
     result.threshold_m.data()[i] =
         threshold_m < rule::kNoThreshold_m ? threshold_m : std::numeric_limits<float>::infinity();
     result.difference_m.data()[i] = both ? measured_m - expected_m : std::numeric_limits<float>::quiet_NaN();
@@ -167,13 +164,16 @@ class GlComparator final : public Comparator {
   void upload(const DepthImage& measured, const Image<std::uint8_t>* frames_averaged);
   void draw(const CompareInput& input);
   void draw_pass(const Program& program, const CompareInput& input) const;
-  [[nodiscard]] Image<PackedPixel> read_back() const;
+  void read_back();
 
   GpuContext& context_;
   std::unique_ptr<SceneRenderer> renderer_;
   Programs programs_;
   Targets targets_;
   VertexArray no_vertices_;
+  /// Kept from frame to frame: memory that is new to the process costs more than the copy into it.
+  DepthImage measured_;
+  Image<PackedPixel> packed_;
 };
 
 void GlComparator::upload(const DepthImage& measured, const Image<std::uint8_t>* frames_averaged) {
@@ -185,7 +185,7 @@ void GlComparator::upload(const DepthImage& measured, const Image<std::uint8_t>*
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, measured.width(), measured.height(), GL_RED, GL_FLOAT, measured.data());
   if (frames_averaged == nullptr) return;
-  bind_texture(3, targets_.frames_averaged.name());
+  bind_texture(2, targets_.frames_averaged.name());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, measured.width(), measured.height(), GL_RED_INTEGER, GL_UNSIGNED_BYTE,
                   frames_averaged->data());
@@ -196,8 +196,7 @@ void GlComparator::upload(const DepthImage& measured, const Image<std::uint8_t>*
 void GlComparator::draw(const CompareInput& input) {
   glBindFramebuffer(GL_FRAMEBUFFER, targets_.framebuffer.name());
   glViewport(0, 0, targets_.width, targets_.height);
-  bind_texture(3, targets_.frames_averaged.name());
-  bind_texture(2, renderer_->node_texture());
+  bind_texture(2, targets_.frames_averaged.name());
   bind_texture(1, renderer_->depth_texture());
   bind_texture(0, targets_.measured.name());
   glBindVertexArray(no_vertices_.name());
@@ -214,13 +213,14 @@ void GlComparator::draw_pass(const Program& program, const CompareInput& input) 
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-Image<PackedPixel> GlComparator::read_back() const {
-  Image<PackedPixel> packed(targets_.width, targets_.height);
+void GlComparator::read_back() {
+  if (packed_.width() != targets_.width || packed_.height() != targets_.height) {
+    packed_ = Image<PackedPixel>(targets_.width, targets_.height);
+  }
   glBindFramebuffer(GL_READ_FRAMEBUFFER, targets_.framebuffer.name());
   glReadBuffer(GL_COLOR_ATTACHMENT0);
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-  glReadPixels(0, 0, targets_.width, targets_.height, GL_RGBA_INTEGER, GL_UNSIGNED_INT, packed.data());
-  return packed;
+  glReadPixels(0, 0, targets_.width, targets_.height, GL_RG_INTEGER, GL_UNSIGNED_INT, packed_.data());
 }
 
 Result<Comparison> GlComparator::compare(const CompareInput& input, CompareTimes* times) {
@@ -234,9 +234,9 @@ Result<Comparison> GlComparator::compare(const CompareInput& input, CompareTimes
     times->*step = watch.milliseconds();
     watch.restart();
   };
-  DepthImage measured = *input.measured;
-  for (float& z : measured.pixels()) z = usable_depth(z);
-  upload(measured, input.frames_averaged);
+  measured_ = *input.measured;
+  for (float& z : measured_.pixels()) z = usable_depth(z);
+  upload(measured_, input.frames_averaged);
   lap(&CompareTimes::upload_ms);
   SceneView view;
   view.camera = input.camera;
@@ -248,13 +248,15 @@ Result<Comparison> GlComparator::compare(const CompareInput& input, CompareTimes
   lap(&CompareTimes::render_ms);
   draw(input);
   lap(&CompareTimes::compare_ms);
-  const auto packed = read_back();
+  read_back();
+  DepthImage expected = renderer_->read_depth();
+  Image<std::uint32_t> nodes = renderer_->read_nodes();
   // Without this an image that the driver had no room for would read as "nothing was measured".
   if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
     return fail(fmt::format("the graphics driver could not compare {} x {} pixels (OpenGL error {:#x})",
-                            measured.width(), measured.height(), error));
+                            measured_.width(), measured_.height(), error));
   }
-  auto result = unpack(packed, measured);
+  auto result = unpack(packed_, measured_, std::move(expected), std::move(nodes));
   lap(&CompareTimes::readback_ms);
   return result;
 }
