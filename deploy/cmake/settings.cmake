@@ -22,6 +22,10 @@ set(MESHLOOP_SANITIZE "" CACHE STRING "Sanitizers, as in -fsanitize=: address,un
 if(MESHLOOP_SANITIZE)
   add_compile_options(-fsanitize=${MESHLOOP_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${MESHLOOP_SANITIZE})
+  if(MESHLOOP_SANITIZE MATCHES "undefined")
+    # A quarter of the time to compile. The address sanitizer sees what the first would; classes are not cast downwards.
+    add_compile_options(-fno-sanitize=object-size,vptr)
+  endif()
 endif()
 
 if(MESHLOOP_FUZZ)

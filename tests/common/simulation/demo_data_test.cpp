@@ -41,11 +41,11 @@ TEST_F(DemoData, WithoutNoiseTheRecordedDepthIsTheTruthToAnEighthOfAMillimetre) 
   const auto count = [&](int done, int all) {
     ++calls;
     last = done;
-    EXPECT_EQ(all, 8);
+    EXPECT_EQ(all, 10);
   };
   ASSERT_TRUE(succeeded(write_demo_data(folder_, options, count)));
-  EXPECT_EQ(calls, 8);
-  EXPECT_EQ(last, 8);
+  EXPECT_EQ(calls, 10);
+  EXPECT_EQ(last, 10);
 
   const auto recording = Recording::open(folder_ / "station");
   ASSERT_TRUE(recording) << recording.error().message;
