@@ -9,6 +9,7 @@
 
 #include "common/detail/simplify.h"
 #include "meshes.h"
+#include "sanitized.h"
 
 namespace meshloop {
 namespace {
@@ -61,8 +62,9 @@ std::map<Edge, int> border_of(const std::vector<Triangle>& triangles) {
 }
 
 float deviation_of(const Submesh& mesh, const std::vector<Triangle>& shown) {
+  constexpr std::size_t kEvery = test::kSanitized ? 997 : 31;
   float square = 0;
-  for (std::size_t v = 0; v < mesh.positions.size(); v += 31) {
+  for (std::size_t v = 0; v < mesh.positions.size(); v += kEvery) {
     float nearest = 1e9f;
     for (const auto& [a, b, c] : shown) {
       nearest = std::min(nearest,
