@@ -44,7 +44,8 @@ class TrackingSession {
 };
 
 /// Distance between tracked and true camera positions, over the frames that were not lost:
-/// {"mean_error_m", "max_error_m", "within_1cm", "frames"}, the last two counts of frames; null where there is no truth.
+/// {"mean_error_m", "max_error_m", "within_1cm", "frames"}, the last two counts of frames; null where there is no
+/// truth.
 [[nodiscard]] nlohmann::json truth_json(const Trajectory& tracked, const std::optional<Trajectory>& truth);
 
 }  // namespace meshloop

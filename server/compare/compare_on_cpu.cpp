@@ -62,8 +62,8 @@ Comparison compare_on_cpu(const CompareInput& input, const DepthImage& expected,
       const auto uncertainty = pixel_uncertainty(input, expected, u, v, static_cast<double>(measured_m));
       const auto threshold_m = static_cast<float>(uncertainty.threshold_m);
       const bool is_known = !rule::needs_neighbourhood(measured_m, expected_m, threshold_m);
-      const auto [nearest, farthest, has_gap] =
-          is_known ? Neighbourhood{expected_m, expected_m, !(expected_m > 0)} : look_around(expected, u, v, uncertainty);
+      const auto [nearest, farthest, has_gap] = is_known ? Neighbourhood{expected_m, expected_m, !(expected_m > 0)}
+                                                         : look_around(expected, u, v, uncertainty);
       result.labels(u, v) =
           static_cast<Label>(rule::classify(measured_m, expected_m, threshold_m, nearest, farthest, has_gap));
       if (expected_m > 0) result.difference_m(u, v) = measured_m - expected_m;
