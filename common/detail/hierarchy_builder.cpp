@@ -3,9 +3,22 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <new>
 #include <utility>
 
 namespace meshloop {
+namespace {
+
+/// Null when memory is short: the submesh is then drawn exactly.
+std::unique_ptr<const ClusterHierarchy> built(const Submesh& submesh) {
+  try {
+    return std::make_unique<const ClusterHierarchy>(build_hierarchy(submesh));
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+}
+
+}  // namespace
 
 HierarchyBuilder::HierarchyBuilder(unsigned threads) {
   for (unsigned i = 0; i < std::max(1U, threads); ++i) threads_.emplace_back([this] { work(); });
@@ -19,10 +32,10 @@ HierarchyBuilder::~HierarchyBuilder() {
   changed_.notify_all();
 }
 
-void HierarchyBuilder::ask(std::shared_ptr<const Submesh> submesh) {
+void HierarchyBuilder::ask(const std::shared_ptr<const Submesh>& submesh) {
   {
     const std::scoped_lock lock{mutex_};
-    asked_.push_back(std::move(submesh));
+    asked_.push_back(submesh);
   }
   changed_.notify_all();
 }
@@ -47,14 +60,14 @@ void HierarchyBuilder::work() {
   for (;;) {
     changed_.wait(lock, [&] { return ending_ || !asked_.empty(); });
     if (ending_) return;
-    const auto submesh = std::move(asked_.front());
+    const auto submesh = asked_.front().lock();
     asked_.pop_front();
     ++being_built_;
     lock.unlock();
-    auto hierarchy = std::make_unique<const ClusterHierarchy>(build_hierarchy(*submesh));
+    auto hierarchy = submesh ? built(*submesh) : nullptr;
     lock.lock();
     --being_built_;
-    ready_.push_back({submesh, std::move(hierarchy)});
+    if (hierarchy) ready_.push_back({submesh, std::move(hierarchy)});
     changed_.notify_all();
   }
 }

@@ -23,7 +23,8 @@ class HierarchyBuilder {
   HierarchyBuilder(const HierarchyBuilder&) = delete;
   HierarchyBuilder& operator=(const HierarchyBuilder&) = delete;
 
-  void ask(std::shared_ptr<const Submesh> submesh);
+  /// A submesh that nobody holds any more when its turn comes is passed over; one for which memory is short, too.
+  void ask(const std::shared_ptr<const Submesh>& submesh);
   struct Built {
     std::shared_ptr<const Submesh> submesh;
     std::unique_ptr<const ClusterHierarchy> hierarchy;
@@ -38,7 +39,7 @@ class HierarchyBuilder {
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::shared_ptr<const Submesh>> asked_;
+  std::deque<std::weak_ptr<const Submesh>> asked_;
   std::deque<Built> ready_;
   std::size_t being_built_ = 0;
   bool ending_ = false;

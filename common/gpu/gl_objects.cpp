@@ -52,7 +52,7 @@ Status link(GLuint program) {
   return {};
 }
 
-// GLES guarantees four channels; one channel is what the driver may offer beside it, and usually does.
+// GLES guarantees four channels; fewer are what the driver may offer beside them, and usually does.
 bool offers(GLenum format, GLenum type) {
   GLint offered_format = 0;
   GLint offered_type = 0;
@@ -62,26 +62,27 @@ bool offers(GLenum format, GLenum type) {
 }
 
 struct ReadFormat {
-  GLenum one_channel;
+  std::size_t channels;
+  GLenum format;
   GLenum four_channels;
   GLenum type;
 };
 
 template <class T>
-void read_channel(const Framebuffer& framebuffer, GLenum attachment, int width, int height, const ReadFormat& format,
+void read_channels(const Framebuffer& framebuffer, GLenum attachment, int width, int height, const ReadFormat& format,
                   T* pixels) {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer.name());
   glReadBuffer(attachment);
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
-  if (offers(format.one_channel, format.type)) {
-    glReadPixels(0, 0, width, height, format.one_channel, format.type, pixels);
+  if (offers(format.format, format.type)) {
+    glReadPixels(0, 0, width, height, format.format, format.type, pixels);
     return;
   }
   const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   std::vector<T> wide(4 * count);
   glReadPixels(0, 0, width, height, format.four_channels, format.type, wide.data());
-  for (std::size_t i = 0; i < count; ++i) pixels[i] = wide[4 * i];
+  for (std::size_t i = 0; i < count; ++i) std::copy_n(&wide[4 * i], format.channels, &pixels[format.channels * i]);
 }
 
 }  // namespace
@@ -155,11 +156,15 @@ Status check_framebuffer(std::string_view what) {
 }
 
 void read_floats(const Framebuffer& framebuffer, GLenum attachment, int width, int height, float* pixels) {
-  read_channel(framebuffer, attachment, width, height, {GL_RED, GL_RGBA, GL_FLOAT}, pixels);
+  read_channels(framebuffer, attachment, width, height, {1, GL_RED, GL_RGBA, GL_FLOAT}, pixels);
 }
 
 void read_unsigned(const Framebuffer& framebuffer, GLenum attachment, int width, int height, GLuint* pixels) {
-  read_channel(framebuffer, attachment, width, height, {GL_RED_INTEGER, GL_RGBA_INTEGER, GL_UNSIGNED_INT}, pixels);
+  read_channels(framebuffer, attachment, width, height, {1, GL_RED_INTEGER, GL_RGBA_INTEGER, GL_UNSIGNED_INT}, pixels);
+}
+
+void read_unsigned_pairs(const Framebuffer& framebuffer, GLenum attachment, int width, int height, GLuint* pixels) {
+  read_channels(framebuffer, attachment, width, height, {2, GL_RG_INTEGER, GL_RGBA_INTEGER, GL_UNSIGNED_INT}, pixels);
 }
 
 }  // namespace meshloop

@@ -92,5 +92,7 @@ class Program {
 /// elements.
 void read_floats(const Framebuffer& framebuffer, GLenum attachment, int width, int height, float* pixels);
 void read_unsigned(const Framebuffer& framebuffer, GLenum attachment, int width, int height, GLuint* pixels);
+/// Two channels: `pixels` has two values for each pixel.
+void read_unsigned_pairs(const Framebuffer& framebuffer, GLenum attachment, int width, int height, GLuint* pixels);
 
 }  // namespace meshloop

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "common/gpu/projection.h"
 #include "common/gpu/scene_renderer.h"
 #include "common/gpu/screen_area.h"
 #include "shaders/shaders.h"
@@ -11,8 +12,6 @@
 namespace meshloop {
 namespace {
 
-constexpr std::size_t kMaxSteps = 128;
-static_assert(kMaxSteps >= 2 * kMaxPrimitives - 1, "every formula of that many primitives fits");
 
 // The uniforms' locations in implicit.frag.
 constexpr GLint kPrimitiveCount = 0;
@@ -51,8 +50,11 @@ ShapeBlock block_of(const Shape& shape, const Pose& T_node_camera) {
 
 ScreenArea area_of(const Shape& shape, const Pose& T_world_node, const SceneView& view) {
   std::vector<Eigen::Vector3d> corners;
-  const Eigen::AlignedBox3d bounds = bounds_of(shape);
-  append_corners(corners, {bounds.min().cast<float>(), bounds.max().cast<float>()}, T_world_node);
+  const Eigen::AlignedBox3f bounds = bounds_of(shape).cast<float>();
+  const Eigen::Matrix4d clip_from_node = clip_from_camera(view.camera, view.near_m, view.far_m) *
+                                         (view.T_camera_world * T_world_node).matrix();
+  if (is_outside_view(clip_from_node, bounds)) return {};
+  append_corners(corners, bounds, T_world_node);
   ScreenArea area = area_of_hull(corners, view.camera, view.T_camera_world, static_cast<double>(view.near_m));
   if (!view.area) return area;
   const int right = std::min(area.x + area.width, view.area->x + view.area->width);
@@ -91,7 +93,7 @@ void ImplicitRenderer::draw(const Model& model, const SceneView& view) const {
 void ImplicitRenderer::draw_shape(const Shape& shape, const Pose& T_world_node, unsigned node_index,
                                   const SceneView& view) const {
   const ScreenArea area = area_of(shape, T_world_node, view);
-  if (area.empty() || shape.primitives.size() > kMaxPrimitives || shape.steps.size() > kMaxSteps) return;
+  if (area.empty() || !validate(shape)) return;
   glScissor(area.x, area.y, area.width, area.height);
   const ShapeBlock block = block_of(shape, (view.T_camera_world * T_world_node).inverse());
   glBufferData(GL_UNIFORM_BUFFER, sizeof block, &block, GL_STREAM_DRAW);

@@ -93,6 +93,9 @@ Status validate(const Shape& shape) {
     if (!has_sizes(primitive)) return fail("a primitive's sizes are not between 0 and 1000 m, or a torus has no hole");
     if (!is_rigid(primitive.T_primitive_node)) return fail("a primitive's transform is not rigid");
   }
+  if (shape.steps.size() > kMaxSteps) {
+    return fail(fmt::format("a shape's formula has {} steps; at most {} are drawn", shape.steps.size(), kMaxSteps));
+  }
   int depth = 0;
   for (const auto& step : shape.steps) {
     const bool known = step.value >= ShapeStep::kDifference && step.value < static_cast<int>(shape.primitives.size());
@@ -105,6 +108,12 @@ Status validate(const Shape& shape) {
   if (bounds.isEmpty()) return fail("a shape is empty: its parts do not meet");
   if (!bounds.min().allFinite() || !bounds.max().allFinite()) {
     return fail("a shape has no end; intersect its planes with a box");
+  }
+  constexpr double kThinnest_m = 1e-6;
+  constexpr double kFarthest_m = 1e4;
+  if (bounds.sizes().minCoeff() < kThinnest_m) return fail("a shape has no volume: its parts only touch");
+  if (bounds.min().cwiseAbs().cwiseMax(bounds.max().cwiseAbs()).maxCoeff() > kFarthest_m) {
+    return fail("a shape lies more than 10 km from its origin");
   }
   return {};
 }

@@ -44,6 +44,8 @@ struct ShapeStep {
 };
 
 inline constexpr std::size_t kMaxPrimitives = 64;
+/// A primitive may be named more than once.
+inline constexpr std::size_t kMaxSteps = 2 * kMaxPrimitives;
 /// Values that a formula may have on its stack.
 inline constexpr int kMaxStack = 32;
 
@@ -55,8 +57,8 @@ struct Shape {
   std::optional<Rgb8> color;
 };
 
-/// Refuses a formula that does not end in one value, sizes that are not positive, and a solid without an end (its
-/// bounds must be finite).
+/// Refuses a formula that is too long or does not end in one value, sizes that are not positive, and a solid that has
+/// no end, no volume (its bounds tell) or a part farther than 10 km from its origin.
 [[nodiscard]] Status validate(const Shape& shape);
 
 /// A box around the solid in the node's frame: not the smallest. Without an end in some direction for planes.

@@ -87,7 +87,10 @@ tl::unexpected<Error> unreadable(const std::filesystem::path& file, std::string 
 
 Result<ReadParts> result_of(const std::filesystem::path& file, int status, const ChildResult& result,
                             unsigned max_seconds) {
-  if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL)) {
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL) {
+    return unreadable(file, "the importer was stopped, for lack of memory or by its limit of time");
+  }
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
     return unreadable(file, fmt::format("the importer was stopped after {} s of processor time", max_seconds));
   }
   auto read = WIFEXITED(status) && WEXITSTATUS(status) == 0 ? result.read() : std::nullopt;

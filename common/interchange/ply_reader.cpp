@@ -17,8 +17,6 @@
 namespace meshloop {
 namespace {
 
-/// A list may name more corners than that only to waste time: ears are cut in quadratic time.
-constexpr std::size_t kMostCorners = 10'000;
 constexpr std::size_t kBetweenReports = 1 << 16;
 constexpr auto kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
@@ -153,7 +151,7 @@ class Body {
   Status read_list(const PlyProperty& property, bool strips) {
     const double count = values_.next(property.count_type);
     const auto most =
-        strips ? values_.most_left(property.type) : std::min(kMostCorners, values_.most_left(property.type));
+        strips ? values_.most_left(property.type) : std::min(kMostPolygonCorners, values_.most_left(property.type));
     if (!(count >= 0 && count <= static_cast<double>(most))) return fail("a list in it is longer than can be");
     corners_.clear();
     for (auto left = static_cast<std::size_t>(count); left > 0 && values_.good(); --left) {

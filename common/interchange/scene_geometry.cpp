@@ -145,7 +145,7 @@ class FaceSet {
       if (!color) return fail("a face names a colour that is not there");
       mesh_.colors.push_back(*color);
     }
-    if (corners.size() > kMostCorners) return fail("a face has more than 10,000 corners");
+    if (corners.size() > kMostPolygonCorners) return fail(fmt::format("a face has more than {} corners", kMostPolygonCorners));
     append_polygon(corners, mesh_.positions, mesh_.triangles);
     return {};
   }
@@ -160,8 +160,6 @@ class FaceSet {
     if (color < 0 || static_cast<std::size_t>(color) >= colors_.size()) return std::nullopt;
     return colors_[static_cast<std::size_t>(color)];
   }
-
-  static constexpr std::size_t kMostCorners = 10'000;
 
   const WebNode& node_;
   std::vector<Eigen::Vector3f> points_;
@@ -213,7 +211,7 @@ class Collector {
       const auto& levels = node.nodes("level").empty() ? node.nodes("children") : node.nodes("level");
       return levels.empty() ? WebNodes{} : WebNodes{levels.front()};
     }
-    return node.nodes("children");
+    return node.nodes(node.type == "CADFace" && node.nodes("children").empty() ? "shape" : "children");
   }
 
   Status add_shape(const WebNode& shape, const Eigen::Affine3d& T_scene_shape, const std::string& name) {

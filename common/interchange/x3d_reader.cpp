@@ -48,6 +48,7 @@ class Builder {
     if (!error_.empty()) return;
     if (type == "unit") add_unit(attributes);
     if (type == "Scene") {
+      if (in_scene_) return refuse("a Scene stands within a Scene");
       in_scene_ = true;
       return;
     }
@@ -98,6 +99,9 @@ class Builder {
     Open open;
     open.node->type = type;
     open.field = default_field(type);
+    // A geometry that this program does not know must not be passed over.
+    const bool in_shape = !open_.empty() && open_.back().node->type == "Shape";
+    if (in_shape && open.field == "children") open.field = type.starts_with("Metadata") ? "metadata" : "geometry";
     for (; *attributes != nullptr; attributes += 2) {
       const std::string_view name{attributes[0]}, value{attributes[1]};
       if (name == "DEF") {

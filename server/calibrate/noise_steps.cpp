@@ -163,7 +163,8 @@ std::vector<NoiseBin> bins_of(const Image<PixelNoise>& pixels, const Image<std::
     sum.bin.z_m /= pixels_in_bin;
     sum.bin.step_m = step_of(std::move(sum.depths));
     sum.bin.sigma_m = std::sqrt(std::max(sum.variance / pixels_in_bin, sum.bin.step_m * sum.bin.step_m / 12));
-    bins.push_back(sum.bin);
+    // No noise and no steps: a clipped or made-up depth, which tells nothing.
+    if (sum.bin.sigma_m > 0) bins.push_back(sum.bin);
   }
   return bins;
 }

@@ -217,10 +217,8 @@ void GlComparator::read_back() {
   if (packed_.width() != targets_.width || packed_.height() != targets_.height) {
     packed_ = Image<PackedPixel>(targets_.width, targets_.height);
   }
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, targets_.framebuffer.name());
-  glReadBuffer(GL_COLOR_ATTACHMENT0);
-  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-  glReadPixels(0, 0, targets_.width, targets_.height, GL_RG_INTEGER, GL_UNSIGNED_INT, packed_.data());
+  read_unsigned_pairs(targets_.framebuffer, GL_COLOR_ATTACHMENT0, targets_.width, targets_.height,
+                      &packed_.data()->threshold_bits);
 }
 
 Result<Comparison> GlComparator::compare(const CompareInput& input, CompareTimes* times) {

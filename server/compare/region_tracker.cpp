@@ -236,6 +236,7 @@ void RegionTracker::reset() {
 }
 
 void settle_labels(Comparison& comparison, const RegionMap& regions) {
+  if (regions.ids.size() != comparison.labels.size()) return;
   for (std::size_t i = 0; i < comparison.labels.size(); ++i) {
     Label& label = comparison.labels.pixels()[i];
     if (is_change(label) && regions.ids.pixels()[i] == 0) label = Label::undecided;

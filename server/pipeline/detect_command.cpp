@@ -203,7 +203,8 @@ Status detect_average(DetectRun& run, const Model& model, Examiner& examiner, Vi
 }
 
 Status take_frame(DetectRun& run, TrackedFrame tracked, const Model& model, Examiner& examiner, Views& views) {
-  if (!run.average) return detect_frame(run, tracked, model, examiner, views);
+  const bool is_lost = tracked.depth_pose.state == TrackState::lost;
+  if (!run.average || is_lost) return detect_frame(run, tracked, model, examiner, views);
   if (auto done = run.average->add(tracked.frame.depth, tracked.depth_pose); !done) {
     return fail(fmt::format("frame {}", tracked.frame.index), done.error());
   }

@@ -93,6 +93,7 @@ void on_gpu(benchmark::State& state, const Scene& scene, int width, int height, 
   RegionTracker regions{RegionOptions{}};
   for (auto _ : state) {
     const auto comparison = world().comparator->compare(input, nullptr);
+    if (!comparison) return state.SkipWithError(comparison.error().message.c_str());
     benchmark::DoNotOptimize(regions.update(*comparison, measured, camera, Pose::Identity()));
   }
 }
@@ -139,8 +140,13 @@ void with_embree(benchmark::State& state, const Scene& scene, int width, int hei
     }
     Comparison whole{Image<Label>(width, height), Image<float>(width, height), depth, nodes,
                      Image<float>(width, height)};
-    auto* label = whole.labels.data();
-    for (const auto& part : parts) label = std::copy(part.labels.pixels().begin(), part.labels.pixels().end(), label);
+    std::size_t at = 0;
+    for (const auto& part : parts) {
+      std::copy_n(part.labels.data(), part.labels.size(), whole.labels.data() + at);
+      std::copy_n(part.difference_m.data(), part.labels.size(), whole.difference_m.data() + at);
+      std::copy_n(part.threshold_m.data(), part.labels.size(), whole.threshold_m.data() + at);
+      at += part.labels.size();
+    }
     benchmark::DoNotOptimize(regions.update(whole, measured, camera, Pose::Identity()));
   }
 }

@@ -31,14 +31,29 @@ TEST(HierarchyBuilder, SeveralThreadsBuildTheSame) {
     builder.ask(submeshes.back());
   }
   builder.wait();
+  std::size_t handed_over = 0;
   for (auto built = builder.take(); built.hierarchy; built = builder.take()) {
     EXPECT_EQ(built.hierarchy->triangles, build_hierarchy(*built.submesh).triangles);
+    ++handed_over;
   }
+  EXPECT_EQ(handed_over, submeshes.size());
 }
 
+TEST(HierarchyBuilder, PassesOverWhatNobodyHoldsAnyMore) {
+  HierarchyBuilder builder{1};
+  const auto first = std::make_shared<const Submesh>(test::hills(60));
+  builder.ask(first);
+  builder.ask(std::make_shared<const Submesh>(test::ball(20)));
+  builder.wait();
+  EXPECT_EQ(builder.take().submesh, first);
+  EXPECT_EQ(builder.take().submesh, nullptr);
+}
+
+// That it ends at all, and soon, is what is tested.
 TEST(HierarchyBuilder, EndsWithWorkLeft) {
+  const auto submesh = std::make_shared<const Submesh>(test::hills(50));
   HierarchyBuilder builder{2};
-  for (int i = 0; i < 30; ++i) builder.ask(std::make_shared<const Submesh>(test::hills(50)));
+  for (int i = 0; i < 30; ++i) builder.ask(submesh);
 }
 
 }  // namespace
