@@ -1,5 +1,5 @@
 #pragma once
-// The rule that gives a pixel its label. C++ and GLSL ES compile this same text (shaders/compare.frag includes it), so
+// The rule that gives a pixel its label. C++ and GLSL ES compile this same text (both compare shaders include it), so
 // it uses only what both languages share. Depths and thresholds are metres along the optical axis; 0 means none.
 #ifdef __cplusplus
 #include "common/change/label.h"

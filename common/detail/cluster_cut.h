@@ -15,7 +15,8 @@ class Tolerance {
  public:
   /// Nothing may differ.
   Tolerance() = default;
-  /// `largest_m` gives metres for a depth in metres; what is used at a depth is the least of all farther ones.
+  /// `largest_m` gives metres for a depth in metres and does not fall with it (what is used at a depth is the least of
+  /// all farther ones); it is looked up every 5 cm as far as 20 m, and counts as constant beyond.
   explicit Tolerance(const std::function<double(double)>& largest_m);
 
   [[nodiscard]] bool is_exact() const { return steps_.empty(); }
@@ -29,6 +30,7 @@ class Tolerance {
 struct CutView {
   /// From the submesh's frame to GL clip space, whose w is the depth in metres; all that lies outside is left out.
   Eigen::Matrix4f clip_from_mesh = Eigen::Matrix4f::Identity();
+  /// Not null.
   const Tolerance* tolerance = nullptr;
 };
 

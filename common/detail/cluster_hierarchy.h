@@ -14,8 +14,8 @@ namespace meshloop {
 struct ClusterGroup {
   /// In the submesh's frame, metres: encloses the boxes of all groups that it goes back to, and their triangles.
   Eigen::AlignedBox3f bounds;
-  /// No point of the original surface lies farther from the group's replacement; at least the errors of the groups that
-  /// it goes back to.
+  /// No vertex of the original surface lies farther from the group's replacement; at least the errors of the groups
+  /// that it goes back to.
   float error_m = 0;
 };
 

@@ -72,11 +72,12 @@ void MeshCache::Entry::refine(std::unique_ptr<const ClusterHierarchy> built) {
 MeshCache::MeshCache() = default;
 MeshCache::~MeshCache() = default;
 
-void MeshCache::update(const Model& model) {
+void MeshCache::update(const Model& model, bool with_detail) {
   for (const auto& node : model.nodes) {
     if (node.submesh == nullptr) continue;
-    const bool is_new = entries_.try_emplace(node.submesh.get(), node.submesh).second;
-    if (!is_new || node.submesh->triangles.size() < kWorthAHierarchy) continue;
+    Entry& entry = entries_.try_emplace(node.submesh.get(), node.submesh).first->second;
+    if (!with_detail || entry.is_asked || node.submesh->triangles.size() < kWorthAHierarchy) continue;
+    entry.is_asked = true;
     if (!builder_) builder_ = std::make_unique<HierarchyBuilder>(std::thread::hardware_concurrency());
     builder_->ask(node.submesh);
   }
@@ -85,7 +86,7 @@ void MeshCache::update(const Model& model) {
 }
 
 void MeshCache::finish(const Model& model) {
-  update(model);
+  update(model, true);
   if (!builder_) return;
   builder_->wait();
   refine_ready(std::numeric_limits<double>::infinity());

@@ -34,8 +34,9 @@ class MeshCache {
   MeshCache& operator=(const MeshCache&) = delete;
 
   /// Uploads what is new in the model and a few of the hierarchies that are ready, and frees what nobody but the cache
-  /// holds any more. Nodes without a submesh are left out.
-  void update(const Model& model);
+  /// holds any more. Nodes without a submesh are left out. Hierarchies are asked for only when the model is to be drawn
+  /// with less than every triangle.
+  void update(const Model& model, bool with_detail);
   /// Waits until the model has all its hierarchies, and uploads them: for batch work, whose results must not depend on
   /// how fast a thread was.
   void finish(const Model& model);
@@ -55,6 +56,7 @@ class MeshCache {
     // Keeps the address, which is the key, from being used again.
     std::shared_ptr<const Submesh> submesh;
     std::unique_ptr<const ClusterHierarchy> hierarchy;
+    bool is_asked = false;
     VertexArray vertex_array;
     Buffer positions;
     Buffer colors;

@@ -122,7 +122,7 @@ void GlSceneRenderer::prepare(const SceneView& view) {
 void GlSceneRenderer::render(const Model& model, const SceneView& view) {
   context_.make_current();
   prepare(view);
-  context_.meshes().update(model);
+  context_.meshes().update(model, !view.tolerance.is_exact());
   clear_targets(view.nodes, view.color);
   draw_nodes(model, view);
   shapes_.draw(model, view);

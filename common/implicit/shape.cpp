@@ -53,7 +53,9 @@ Box own_bounds(const Primitive& primitive) {
   return about(kInfinite, kInfinite, kInfinite);
 }
 
-Box bounds_in_node(const Primitive& primitive) {
+}  // namespace
+
+Box bounds_of(const Primitive& primitive) {
   const Pose T_node_primitive = primitive.T_primitive_node.inverse();
   if (primitive.kind != Kind::plane) return own_bounds(primitive).transformed(T_node_primitive);
   Box bounds = own_bounds(primitive);
@@ -67,13 +69,11 @@ Box bounds_in_node(const Primitive& primitive) {
   return bounds;
 }
 
-}  // namespace
-
 Eigen::AlignedBox3d bounds_of(const Shape& shape) {
   std::vector<Box> stack;
   for (const auto& step : shape.steps) {
     if (step.value >= 0) {
-      stack.push_back(bounds_in_node(shape.primitives[static_cast<std::size_t>(step.value)]));
+      stack.push_back(bounds_of(shape.primitives[static_cast<std::size_t>(step.value)]));
       continue;
     }
     const Box second = stack.back();

@@ -61,6 +61,8 @@ struct Shape {
 /// no end, no volume (its bounds tell) or a part farther than 10 km from its origin.
 [[nodiscard]] Status validate(const Shape& shape);
 
+/// A box around a primitive in the node's frame: not the smallest. Without an end in some direction for planes.
+[[nodiscard]] Eigen::AlignedBox3d bounds_of(const Primitive& primitive);
 /// A box around the solid in the node's frame: not the smallest. Without an end in some direction for planes.
 [[nodiscard]] Eigen::AlignedBox3d bounds_of(const Shape& shape);
 

@@ -54,6 +54,8 @@ class Contour {
     counts_ = ((bounds.sizes() / step_).array().ceil().cast<int>() + 4).matrix();
   }
 
+  [[nodiscard]] double step() const { return step_; }
+
   Tessellation run() {
     classify();
     fits_.resize(inside_.size());
@@ -197,14 +199,55 @@ double error_of(const Shape& shape, const Submesh& mesh) {
   return worst;
 }
 
+/// Points of a primitive that are on the solid's surface: where rays through its box, from both sides, first meet it.
+template <class Use>
+void for_each_point_of(const Shape& shape, std::size_t primitive, Use use) {
+  constexpr int kRays = 12;
+  const auto box = bounds_of(shape).intersection(bounds_of(shape.primitives[primitive]));
+  if (box.isEmpty()) return;
+  const double margin = 0.01 * box.sizes().maxCoeff();
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    for (int i = 0; i < kRays * kRays * 2; ++i) {
+      Vector3d from = box.min();
+      from[u] += (i % kRays + 0.5) / kRays * box.sizes()[u];
+      from[v] += (i / kRays % kRays + 0.5) / kRays * box.sizes()[v];
+      const double side = i < kRays * kRays ? 1 : -1;
+      from[axis] = side > 0 ? box.min()[axis] - margin : box.max()[axis] + margin;
+      const Vector3d direction = side * Vector3d::Unit(axis);
+      const auto hit = cast_ray(shape, {from, direction}, 0, box.sizes()[axis] + 2 * margin);
+      if (hit && hit->primitive == primitive) use(Vector3d{from + hit->t * direction});
+    }
+  }
+}
+
+/// How far a part of the surface lies from all corners, beyond the two cells that it may: what fell between the points
+/// of the grid.
+double missing_by(const Shape& shape, const Submesh& mesh, double step) {
+  double worst = 0;
+  for (std::size_t i = 0; i < shape.primitives.size(); ++i) {
+    for_each_point_of(shape, i, [&](const Vector3d& p) {
+      double nearest = std::numeric_limits<double>::infinity();
+      const double enough = worst + 2 * step;
+      for (const auto& q : mesh.positions) {
+        nearest = std::min(nearest, (q.cast<double>() - p).norm());
+        if (nearest <= enough) return;
+      }
+      worst = nearest - 2 * step;
+    });
+  }
+  return worst;
+}
+
 }  // namespace
 
 Result<Tessellation> tessellate(const Shape& shape, int cells) {
   if (auto ok = validate(shape); !ok) return fail(ok.error());
-  auto result = Contour{shape, cells}.run();
+  Contour contour{shape, cells};
+  auto result = contour.run();
   if (result.submesh.triangles.empty()) return fail("a shape is empty, or thinner than the grid of its triangles");
   if (shape.color) result.submesh.colors.assign(result.submesh.positions.size(), *shape.color);
-  result.error_m = error_of(shape, result.submesh);
+  result.error_m = std::max(error_of(shape, result.submesh), missing_by(shape, result.submesh, contour.step()));
   return result;
 }
 

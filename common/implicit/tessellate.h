@@ -6,7 +6,8 @@ namespace meshloop {
 
 struct Tessellation {
   Submesh submesh;
-  /// The largest distance from the corners and middles of triangles and edges to the solid's surface, metres; measured.
+  /// The largest distance from the corners and middles of triangles and edges to the solid's surface, and from some
+  /// hundred points of each primitive's part of that surface to the nearest corner less two cells, metres; measured.
   double error_m = 0;
 };
 

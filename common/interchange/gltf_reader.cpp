@@ -115,6 +115,20 @@ Result<std::vector<std::byte>> without_draco(const GltfChunks& chunks, const std
   }
 }
 
+/// Geometry that an extension encodes in another way would be read wrong.
+Status check_extensions(std::string_view text) {
+  const auto document = Json::parse(text, nullptr, false);
+  if (!document.is_object() || !document.contains("extensionsRequired")) return {};
+  for (const auto& name : document["extensionsRequired"]) {
+    const auto extension = name.is_string() ? name.get<std::string>() : std::string{};
+    const bool is_look = extension.starts_with("KHR_materials_") || extension.starts_with("KHR_texture_") ||
+                         extension.starts_with("EXT_texture_") || extension.starts_with("KHR_lights_");
+    if (is_look || extension == kDraco) continue;
+    return fail(fmt::format("it needs the glTF extension {}, which is not read; export it without", extension));
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<ReadParts> read_gltf(const std::filesystem::path& file, const Progress& progress) {
@@ -122,6 +136,7 @@ Result<ReadParts> read_gltf(const std::filesystem::path& file, const Progress& p
   if (!content) return fail(content.error());
   const auto chunks = split_gltf(content->bytes());
   if (!chunks) return fail(chunks.error());
+  if (auto ok = check_extensions(chunks->json); !ok) return fail(ok.error());
   const auto read = [&]() -> Result<ReadParts> {
     if (chunks->json.find(kDraco) == std::string_view::npos) return read_with_assimp(file, progress);
     const auto glb = without_draco(*chunks, file.parent_path(), progress);

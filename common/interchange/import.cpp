@@ -31,7 +31,8 @@ Status check_file(const fs::path& file) {
   if (fs::is_directory(status)) return fail(fmt::format("'{}' is a folder, not a model file", file.string()));
   if (!fs::is_regular_file(status)) return fail(fmt::format("'{}' is not a regular file", file.string()));
   if (format_of(file) == nullptr) {
-    return fail(fmt::format("'{}' has an unknown ending; models are read from {}", file.string(), endings()));
+    return fail(fmt::format("'{}' has an unknown ending; models are read from {}, and shapes from .yaml", file.string(),
+                            endings()));
   }
   return {};
 }

@@ -69,7 +69,7 @@ std::string import_text(const std::string& file, const ImportedModel& imported) 
   auto text = fmt::format("{}: {:.2f} x {:.2f} x {:.2f} m; {}", name_of(file), size.x(), size.y(), size.z(),
                           to_text(imported.unit));
   if (imported.stand_in_error_m > 0) {
-    text += fmt::format("; where shapes are kept or sent as triangles these are within {:.1f} mm",
+    text += fmt::format("; where shapes are kept or sent as triangles these are off by up to {:.1f} mm",
                         1000 * imported.stand_in_error_m);
   }
   return text;

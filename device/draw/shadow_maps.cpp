@@ -154,7 +154,7 @@ void ShadowMaps::update(const Model& model, const std::vector<const VirtualObjec
   Content model_content;
   for (const auto& node : model.nodes) model_content.emplace_back(node.submesh, node.T_world_node.matrix());
   if (drawn_ > 0 && objects_content == objects_content_ && model_content == model_content_) return;
-  model_meshes.update(model);
+  model_meshes.update(model, false);
   box_ = box_around(model, objects, cache, model_meshes);
   program_.use();
   draw_objects(objects, cache);

@@ -241,7 +241,7 @@ Result<Comparison> GlComparator::compare(const CompareInput& input, CompareTimes
   view.T_camera_world = input.pose.T_camera_world;
   view.tolerance = tolerance_of(input);
   view.color = false;
-  if (input.wait_for_detail) context_.meshes().finish(*input.model);
+  if (input.wait_for_detail && !view.tolerance.is_exact()) context_.meshes().finish(*input.model);
   renderer_->render(*input.model, view);
   lap(&CompareTimes::render_ms);
   draw(input);

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -164,6 +165,27 @@ std::string changes_text(const nlohmann::json& counts) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
+// "frame 3: 12 closer, 0 farther, 7 unmodelled pixels; regions: 1 confirmed, 2 not yet; here: 7.9 mm"
+std::string frame_text(const nlohmann::json& frame) {
+  const auto& regions = frame["regions"];
+  const auto confirmed = std::count_if(regions.begin(), regions.end(),
+                                       [](const nlohmann::json& region) { return region["confirmed"].get<bool>(); });
+  std::string text =
+      fmt::format("frame {}: {} pixels; regions: {} confirmed, {} not yet", frame["index"].get<int>(),
+                  changes_text(frame["counts"]), confirmed, static_cast<std::ptrdiff_t>(regions.size()) - confirmed);
+  if (frame.contains("averaged_frames")) text += fmt::format("; mean of {}", frame["averaged_frames"].get<int>());
+  const auto& smallest = frame["smallest_change_m"];
+  if (smallest.is_number()) return text + fmt::format("; here: {:.1f} mm", 1000 * smallest.get<double>());
+  return text + "; nothing is both measured and modelled: do the model, the poses and depth_scale fit the recording?";
+}
+
+std::string score_text(const LabelScore& score) {
+  const auto number = [](double value) { return std::isfinite(value) ? fmt::format("{:.3f}", value) : "none"; };
+  return fmt::format("against the truth: IoU closer {}, farther {}, unmodelled {}; recall {}, false change {}",
+                     number(score.iou(Label::closer)), number(score.iou(Label::farther)),
+                     number(score.iou(Label::unmodelled)), number(score.recall()), number(score.false_change()));
+}
+
 void report(const DetectRun& run, const ImportedModel& model) {
   nlohmann::json json{{"frames", run.results}, {"time_ms", spread_json(run.total_ms)}, {"model", import_json(model)}};
   if (run.score) json["truth"] = score_json(*run.score);
@@ -177,9 +199,9 @@ void report(const DetectRun& run, const ImportedModel& model) {
       std::cout << fmt::format("frame {}: the pose is lost\n", frame["index"].get<int>());
       continue;
     }
-    std::cout << fmt::format("frame {}: {} pixels in {} regions\n", frame["index"].get<int>(),
-                             changes_text(frame["counts"]), frame["regions"].size());
+    std::cout << frame_text(frame) << '\n';
   }
+  if (run.score) std::cout << score_text(*run.score) << '\n';
   std::cout << "pictures and differences are in " << run.arguments.out << '\n';
 }
 
@@ -264,6 +286,10 @@ Status detect(const DetectArguments& arguments) {
   auto views = Views::create(**gpu, frames->rig(), arguments.views);
   if (!views) return fail(views.error());
   if (auto done = process(run, imported->model, *frames, *examiner, *views); !done) return done;
+  const auto is_found = [](const nlohmann::json& frame) { return frame.contains("counts"); };
+  if (std::none_of(run.results.begin(), run.results.end(), is_found)) {
+    return fail("every frame is lost; do the poses or markers fit the recording, and cover its time?");
+  }
   report(run, *imported);
   return {};
 }

@@ -64,8 +64,12 @@ void add_simulate_command(CLI::App& app, Action& action) {
       ->check(CLI::Range(2, 10'000))
       ->capture_default_str();
   command->add_option("--color-size", arguments->color_size, "pixels of the colour images")->capture_default_str();
-  command->add_option("--depth-size", arguments->depth_size, "pixels of the depth images")->capture_default_str();
-  command->add_flag("--registered", arguments->options.rig.registered, "depth in the colour camera's pixels");
+  auto* const depth_size =
+      command->add_option("--depth-size", arguments->depth_size, "pixels of the depth images")->capture_default_str();
+  command
+      ->add_flag("--registered", arguments->options.rig.registered,
+                 "depth in the colour camera's pixels, and as many of them")
+      ->excludes(depth_size);
   command->add_flag("--float-depth", arguments->options.rig.float_depth, "depth as 32-bit float TIFF, in metres");
   command->callback([arguments, &action] { action = [arguments] { return simulate(*arguments); }; });
 }

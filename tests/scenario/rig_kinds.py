@@ -121,7 +121,7 @@ for name, color, depth in (("coarse_depth", (1280, 720), (176, 144)), ("coarse_c
     check_exact(name, detect(name, data), LEAST_IOU_SMALL if depth[0] < 200 else LEAST_IOU)
     check_difference(name, depth)
     check_views(name, color, depth)
-data = simulate("registered", 0, "--registered", "--color-size", "640x360", "--depth-size", "320x240")
+data = simulate("registered", 0, "--registered", "--color-size", "640x360")
 check_exact("registered", detect("registered", data))
 check_views("registered", (640, 360), (640, 360))
 

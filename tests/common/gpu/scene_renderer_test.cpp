@@ -258,23 +258,57 @@ TEST_F(SceneRendererTest, APartAloneIsDrawnAsInTheWholePicture) {
   EXPECT_EQ(renderer_->read_depth(), depth);
 }
 
+TEST(MeshCache, MakesLevelsOfDetailOnlyForWhoDrawsThem) {
+  auto context = GpuContext::create_headless();
+  ASSERT_TRUE(context);
+  MeshCache cache;
+  constexpr int kCells = 60;
+  Submesh flat;
+  for (int i = 0; i <= kCells; ++i) {
+    for (int j = 0; j <= kCells; ++j)
+      flat.positions.emplace_back(0.01f * static_cast<float>(j), 0.01f * static_cast<float>(i), 1.0f);
+  }
+  for (std::uint32_t i = 0; i < kCells; ++i) {
+    for (std::uint32_t j = 0; j < kCells; ++j) {
+      const std::uint32_t here = i * (kCells + 1) + j, above = here + kCells + 1;
+      flat.triangles.push_back({here, here + 1, above});
+      flat.triangles.push_back({here + 1, above + 1, above});
+    }
+  }
+  flat.colors.assign(flat.positions.size(), Rgb8{200, 10, 10});
+  Model model = model_of({flat});
+  cache.update(model, false);
+  EXPECT_EQ(cache.mesh_of(model.nodes[0]).hierarchy, nullptr);
+  cache.finish(model);
+  const auto* hierarchy = cache.mesh_of(model.nodes[0]).hierarchy;
+  ASSERT_NE(hierarchy, nullptr);
+  EXPECT_EQ(hierarchy->vertex_order.size(), flat.positions.size());
+  // What is being built for a model that is gone must not keep it.
+  model = model_of({flat});
+  cache.update(model, true);
+  model = {};
+  cache.finish(model);
+  cache.update(model, false);
+  EXPECT_EQ(cache.size(), 0U);
+}
+
 TEST(MeshCache, UploadsASharedSubmeshOnceAndFreesWhatNobodyHolds) {
   auto context = GpuContext::create_headless();
   ASSERT_TRUE(context);
   MeshCache cache;
   Model model = model_of({facing_square(1, 1), facing_square(1, 2)});
   model.nodes.push_back(model.nodes[0]);
-  cache.update(model);
+  cache.update(model, false);
   EXPECT_EQ(cache.size(), 2U);
   EXPECT_EQ(cache.mesh_of(model.nodes[0]).index_count, 6);
   const unsigned kept = cache.mesh_of(model.nodes[1]).vertex_array;
   const unsigned freed = cache.mesh_of(model.nodes[0]).vertex_array;
   Model next;
   next.nodes.push_back(model.nodes[1]);
-  cache.update(next);
+  cache.update(next, false);
   EXPECT_EQ(cache.size(), 2U) << "the first model may still be drawn";
   model = {};
-  cache.update(next);
+  cache.update(next, false);
   EXPECT_EQ(cache.size(), 1U);
   EXPECT_EQ(cache.mesh_of(next.nodes[0]).vertex_array, kept);
   EXPECT_FALSE(glIsVertexArray(freed));

@@ -100,7 +100,11 @@ TEST(ShapeFile, RefusesWhatItDoesNotKnowAndNamesTheLine) {
       {"{torus: {radius: 0.1, tube: 0.2}}", "no hole"},
       {"{transform: {axis: [0, 0, 0], angle_deg: 3, of: {sphere: {radius: 1}}}}", "no direction"},
       {"{intersection: [{sphere: {radius: 1}}, {transform: {translation: [3, 0, 0], of: {sphere: {radius: 1}}}}]}",
-       "empty"}};
+       "empty"},
+      {"{intersection: [{box: {size: [1, 1, 1]}}, {transform: {translation: [1, 1, 1], of: {box: {size: [1, 1, "
+       "1]}}}}]}",
+       "only touch"},
+      {"{transform: {translation: [20000, 0, 0], of: {sphere: {radius: 1}}}}", "10 km"}};
   for (const auto& [text, expected] : cases)
     EXPECT_NE(refusal(text).find(expected), std::string::npos) << text << ": " << refusal(text);
   EXPECT_FALSE(parse_shapes("shapes: [[[["));
@@ -126,6 +130,16 @@ TEST(Tessellate, KeepsEdgesSharpAndCurvedSurfacesNear) {
   EXPECT_LT(sphere->error_m, 5e-4);
   EXPECT_NEAR(volume(sphere->submesh), std::numbers::pi / 6, 1e-3);
   for (const auto& p : sphere->submesh.positions) EXPECT_NEAR(p.norm(), 0.5f, sphere->error_m + 1e-4);
+}
+
+TEST(Tessellate, StatesWhatFellBetweenThePointsOfItsGrid) {
+  // A floor of 5 m, and a post of 2 m that is thinner than a cell.
+  const auto mesh = tessellate(solid("{union: [{box: {size: [5, 5, 0.2]}}, {transform: {translation: [0.03, 0.02, 1], "
+                                     "of: {cylinder: {radius: 0.01, height: 2}}}}]}"),
+                               64);
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  EXPECT_LT(mesh->submesh.bounds().max().z(), 0.2f);
+  EXPECT_GT(mesh->error_m, 1.5);
 }
 
 TEST(Tessellate, StatesTheErrorOfADifference) {

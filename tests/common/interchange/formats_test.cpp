@@ -286,6 +286,18 @@ TEST_F(Formats, TakesTheUnitThatAnX3dStates) {
   EXPECT_FLOAT_EQ(mm->size_m.x(), 0.5f);
 }
 
+TEST_F(Formats, RefusesX3dOfWhichAPartWouldBeMissing) {
+  const std::string shape = "<Scene><Shape><Appearance/><MetadataString/><Disk2D/></Shape></Scene></X3D>";
+  EXPECT_NE(refusal("a.x3d", kX3dHead + shape).find("Disk2D"), std::string::npos);
+  const std::string nested = "<Scene><Group><Scene></Scene><Shape><Box/></Shape></Group></Scene></X3D>";
+  EXPECT_NE(refusal("b.x3d", kX3dHead + nested).find("Scene"), std::string::npos);
+  const auto face = read("c.x3d", kX3dHead +
+                                      "<Scene><CADFace><Shape containerField='shape'><Box/></Shape></CADFace>"
+                                      "</Scene></X3D>");
+  ASSERT_TRUE(face) << face.error().message;
+  EXPECT_EQ(face->size(), 1u);
+}
+
 TEST_F(Formats, RefusesX3dThatIsNoXmlOrUsesPrototypes) {
   EXPECT_NE(refusal("a.x3d", kX3dHead + "<Scene><Shape></Scene></X3D>").find("line 3"), std::string::npos);
   EXPECT_NE(refusal("b.x3d", kX3dHead + "<Scene><ProtoInstance name='x'/></Scene></X3D>").find("ProtoInstance"),

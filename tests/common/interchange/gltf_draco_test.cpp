@@ -147,6 +147,16 @@ TEST_F(GltfDraco, RefusesDamageWithOneSentence) {
   EXPECT_NE(refusal(document).find("damaged"), std::string::npos);
 }
 
+TEST_F(GltfDraco, RefusesWhatItCannotReadByName) {
+  const Payload payload = compressed(black_and_white_grid());
+  Json document = document_of(payload);
+  document["extensionsRequired"].push_back("KHR_mesh_quantization");
+  const auto glb = join_glb(document, payload.bytes);
+  const auto parts = import_model(write("a.glb", {reinterpret_cast<const char*>(glb.data()), glb.size()}));
+  ASSERT_FALSE(parts);
+  EXPECT_NE(parts.error().message.find("KHR_mesh_quantization"), std::string::npos);
+}
+
 TEST(GltfContainer, Base64) {
   const auto text_of = [](std::string_view text) {
     const auto bytes = from_base64(text);
