@@ -70,7 +70,7 @@ struct ReadFormat {
 
 template <class T>
 void read_channels(const Framebuffer& framebuffer, GLenum attachment, int width, int height, const ReadFormat& format,
-                  T* pixels) {
+                   T* pixels) {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer.name());
   glReadBuffer(attachment);
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);

@@ -12,7 +12,6 @@
 namespace meshloop {
 namespace {
 
-
 // The uniforms' locations in implicit.frag.
 constexpr GLint kPrimitiveCount = 0;
 constexpr GLint kStepCount = 1;
@@ -51,8 +50,8 @@ ShapeBlock block_of(const Shape& shape, const Pose& T_node_camera) {
 ScreenArea area_of(const Shape& shape, const Pose& T_world_node, const SceneView& view) {
   std::vector<Eigen::Vector3d> corners;
   const Eigen::AlignedBox3f bounds = bounds_of(shape).cast<float>();
-  const Eigen::Matrix4d clip_from_node = clip_from_camera(view.camera, view.near_m, view.far_m) *
-                                         (view.T_camera_world * T_world_node).matrix();
+  const Eigen::Matrix4d clip_from_node =
+      clip_from_camera(view.camera, view.near_m, view.far_m) * (view.T_camera_world * T_world_node).matrix();
   if (is_outside_view(clip_from_node, bounds)) return {};
   append_corners(corners, bounds, T_world_node);
   ScreenArea area = area_of_hull(corners, view.camera, view.T_camera_world, static_cast<double>(view.near_m));

@@ -53,10 +53,11 @@ struct ImportedModel {
   double stand_in_error_m = 0;
 };
 
-/// Reads the formats of `model_file_kinds` except shapes (`import_as_model` reads those too). Transforms of the file's scene graph are applied; vertex colours (or the
-/// material's base colour) are kept. A model of more than 1000 m or less than 1 cm is refused unless `unit_m` is given,
-/// since its unit is most likely another one. The file is parsed in a child process with limits, since a malformed file
-/// can crash the parser. Call before other threads hold locks that the child needs (start of the program).
+/// Reads the formats of `model_file_kinds` except shapes (`import_as_model` reads those too). Transforms of the file's
+/// scene graph are applied; vertex colours (or the material's base colour) are kept. A model of more than 1000 m or
+/// less than 1 cm is refused unless `unit_m` is given, since its unit is most likely another one. The file is parsed in
+/// a child process with limits, since a malformed file can crash the parser. Call before other threads hold locks that
+/// the child needs (start of the program).
 [[nodiscard]] Result<std::vector<ImportedPart>> import_model(const std::filesystem::path& file,
                                                              const ImportOptions& options = {});
 

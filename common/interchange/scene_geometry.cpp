@@ -145,7 +145,8 @@ class FaceSet {
       if (!color) return fail("a face names a colour that is not there");
       mesh_.colors.push_back(*color);
     }
-    if (corners.size() > kMostPolygonCorners) return fail(fmt::format("a face has more than {} corners", kMostPolygonCorners));
+    if (corners.size() > kMostPolygonCorners)
+      return fail(fmt::format("a face has more than {} corners", kMostPolygonCorners));
     append_polygon(corners, mesh_.positions, mesh_.triangles);
     return {};
   }
