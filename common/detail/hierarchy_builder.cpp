@@ -10,9 +10,9 @@ namespace meshloop {
 namespace {
 
 /// Null when memory is short: the submesh is then drawn exactly.
-std::unique_ptr<const ClusterHierarchy> built(const Submesh& submesh) {
+std::unique_ptr<ClusterHierarchy> built(const Submesh& submesh) {
   try {
-    return std::make_unique<const ClusterHierarchy>(build_hierarchy(submesh));
+    return std::make_unique<ClusterHierarchy>(build_hierarchy(submesh));
   } catch (const std::bad_alloc&) {
     return nullptr;
   }
@@ -48,9 +48,10 @@ HierarchyBuilder::Built HierarchyBuilder::take() {
   return built;
 }
 
-void HierarchyBuilder::wait() {
+bool HierarchyBuilder::wait_for_next() {
   std::unique_lock lock{mutex_};
-  changed_.wait(lock, [&] { return asked_.empty() && being_built_ == 0; });
+  changed_.wait(lock, [&] { return !ready_.empty() || (asked_.empty() && being_built_ == 0); });
+  return !ready_.empty();
 }
 
 void HierarchyBuilder::work() {

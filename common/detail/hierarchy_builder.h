@@ -27,12 +27,12 @@ class HierarchyBuilder {
   void ask(const std::shared_ptr<const Submesh>& submesh);
   struct Built {
     std::shared_ptr<const Submesh> submesh;
-    std::unique_ptr<const ClusterHierarchy> hierarchy;
+    std::unique_ptr<ClusterHierarchy> hierarchy;
   };
   /// Hands over the next that is ready; nulls when none is.
   [[nodiscard]] Built take();
-  /// Until all that was asked for is ready.
-  void wait();
+  /// Waits until one can be taken; false when nothing more comes.
+  [[nodiscard]] bool wait_for_next();
 
  private:
   void work();

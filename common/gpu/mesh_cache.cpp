@@ -61,10 +61,12 @@ void MeshCache::Entry::upload_vertices(const std::vector<std::uint32_t>* order) 
   glVertexAttribPointer(1, 3, GL_UNSIGNED_BYTE, GL_TRUE, 0, nullptr);
 }
 
-void MeshCache::Entry::refine(std::unique_ptr<const ClusterHierarchy> built) {
+void MeshCache::Entry::refine(std::unique_ptr<ClusterHierarchy> built) {
   upload_vertices(&built->vertex_order);
   upload(GL_ELEMENT_ARRAY_BUFFER, indices, built->triangles);
   glBindVertexArray(0);
+  built->triangles = {};
+  built->vertex_order = {};
   hierarchy = std::move(built);
   mesh.hierarchy = hierarchy.get();
 }
@@ -88,8 +90,7 @@ void MeshCache::update(const Model& model, bool with_detail) {
 void MeshCache::finish(const Model& model) {
   update(model, true);
   if (!builder_) return;
-  builder_->wait();
-  refine_ready(std::numeric_limits<double>::infinity());
+  while (builder_->wait_for_next()) refine_ready(std::numeric_limits<double>::infinity());
 }
 
 void MeshCache::refine_ready(double milliseconds) {

@@ -52,9 +52,10 @@ class MeshCache {
   struct Entry {
     explicit Entry(std::shared_ptr<const Submesh> uploaded);
     void upload_vertices(const std::vector<std::uint32_t>* order);
-    void refine(std::unique_ptr<const ClusterHierarchy> built);
+    void refine(std::unique_ptr<ClusterHierarchy> built);
     // Keeps the address, which is the key, from being used again.
     std::shared_ptr<const Submesh> submesh;
+    /// Without its triangles and its order of vertices: those are in the buffers.
     std::unique_ptr<const ClusterHierarchy> hierarchy;
     bool is_asked = false;
     VertexArray vertex_array;

@@ -23,23 +23,26 @@ Status RegionPictures::update(const TrackedFrame& tracked, const Examination& ex
   std::vector<RegionId> wanted;
   const auto& regions = examination.regions.regions;
   for (const Region& region : regions) {
-    const auto known = pixels_.find(region.id);
-    const bool better = known == pixels_.end() || region.pixels > kBetterView * known->second;
+    const auto known = tried_.find(region.id);
+    const bool better = known == tried_.end() || region.pixels > kBetterView * known->second.pixels;
     if (better && (region.confirmed || !confirmed_only)) wanted.push_back(region.id);
   }
   if (wanted.empty()) return {};
   const auto thumbnails = views.thumbnails(tracked, examination, wanted);
   if (!thumbnails) return fail(thumbnails.error());
+  for (const Region& region : regions) {
+    if (std::find(wanted.begin(), wanted.end(), region.id) != wanted.end()) tried_[region.id].pixels = region.pixels;
+  }
   for (const auto& [id, picture] : *thumbnails) {
     if (auto done = write_png(folder_ / name_of(id), picture); !done) return done;
-    const auto region = std::find_if(regions.begin(), regions.end(), [id = id](const Region& r) { return r.id == id; });
-    pixels_[id] = region->pixels;
+    tried_[id].has_picture = true;
   }
   return {};
 }
 
 std::string RegionPictures::file_of(RegionId id) const {
-  return pixels_.contains(id) ? name_of(id) : std::string{};
+  const auto tried = tried_.find(id);
+  return tried != tried_.end() && tried->second.has_picture ? name_of(id) : std::string{};
 }
 
 }  // namespace meshloop

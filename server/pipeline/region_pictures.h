@@ -22,8 +22,12 @@ class RegionPictures {
 
  private:
   std::filesystem::path folder_;
-  /// Pixels of each region in its picture.
-  std::map<RegionId, int> pixels_;
+  /// A region that the colour camera does not see has been tried, and has none.
+  struct Tried {
+    int pixels = 0;
+    bool has_picture = false;
+  };
+  std::map<RegionId, Tried> tried_;
 };
 
 }  // namespace meshloop

@@ -7,6 +7,12 @@
 namespace meshloop {
 namespace {
 
+std::vector<HierarchyBuilder::Built> all_of(HierarchyBuilder& builder) {
+  std::vector<HierarchyBuilder::Built> all;
+  while (builder.wait_for_next()) all.push_back(builder.take());
+  return all;
+}
+
 TEST(HierarchyBuilder, HandsOverEachOnceInTheOrderOfAsking) {
   HierarchyBuilder builder{1};
   EXPECT_EQ(builder.take().hierarchy, nullptr);
@@ -14,13 +20,11 @@ TEST(HierarchyBuilder, HandsOverEachOnceInTheOrderOfAsking) {
   const auto large = std::make_shared<const Submesh>(test::hills(60));
   builder.ask(large);
   builder.ask(small);
-  builder.wait();
-  EXPECT_EQ(builder.take().submesh, large);
-  const auto built = builder.take();
-  EXPECT_EQ(built.submesh, small);
-  ASSERT_NE(built.hierarchy, nullptr);
-  EXPECT_EQ(built.hierarchy->vertex_order.size(), small->positions.size());
-  EXPECT_EQ(builder.take().submesh, nullptr);
+  const auto built = all_of(builder);
+  ASSERT_EQ(built.size(), 2u);
+  EXPECT_EQ(built[0].submesh, large);
+  EXPECT_EQ(built[1].submesh, small);
+  EXPECT_EQ(built[1].hierarchy->vertex_order.size(), small->positions.size());
 }
 
 TEST(HierarchyBuilder, SeveralThreadsBuildTheSame) {
@@ -30,13 +34,11 @@ TEST(HierarchyBuilder, SeveralThreadsBuildTheSame) {
     submeshes.push_back(std::make_shared<const Submesh>(test::ball(12 + i)));
     builder.ask(submeshes.back());
   }
-  builder.wait();
-  std::size_t handed_over = 0;
-  for (auto built = builder.take(); built.hierarchy; built = builder.take()) {
+  const auto all = all_of(builder);
+  EXPECT_EQ(all.size(), submeshes.size());
+  for (const auto& built : all) {
     EXPECT_EQ(built.hierarchy->triangles, build_hierarchy(*built.submesh).triangles);
-    ++handed_over;
   }
-  EXPECT_EQ(handed_over, submeshes.size());
 }
 
 TEST(HierarchyBuilder, PassesOverWhatNobodyHoldsAnyMore) {
@@ -44,9 +46,9 @@ TEST(HierarchyBuilder, PassesOverWhatNobodyHoldsAnyMore) {
   const auto first = std::make_shared<const Submesh>(test::hills(60));
   builder.ask(first);
   builder.ask(std::make_shared<const Submesh>(test::ball(20)));
-  builder.wait();
-  EXPECT_EQ(builder.take().submesh, first);
-  EXPECT_EQ(builder.take().submesh, nullptr);
+  const auto all = all_of(builder);
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].submesh, first);
 }
 
 // That it ends at all, and soon, is what is tested.

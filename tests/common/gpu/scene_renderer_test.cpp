@@ -282,7 +282,7 @@ TEST(MeshCache, MakesLevelsOfDetailOnlyForWhoDrawsThem) {
   cache.finish(model);
   const auto* hierarchy = cache.mesh_of(model.nodes[0]).hierarchy;
   ASSERT_NE(hierarchy, nullptr);
-  EXPECT_EQ(hierarchy->vertex_order.size(), flat.positions.size());
+  EXPECT_GT(hierarchy->groups.size(), 1U);
   // What is being built for a model that is gone must not keep it.
   model = model_of({flat});
   cache.update(model, true);
