@@ -67,9 +67,18 @@ void LiveClient::note_arrival(const ReceivedModel& received, bool tracked) {
 Status LiveClient::show(const ColorFrame& frame) {
   const auto known = receiver_->newest();
   const TrackRecord& record = session_.track(frame, known ? known->model : nullptr);
-  const Stopwatch watch;
   // What came while the pose was being found hides and is shaded already: the pose does not depend on a small change.
   const auto received = known ? receiver_->newest() : known;
+  if (auto shown = draw(frame, record, received); !shown) return shown;
+  // What came while that was drawn does not wait for the next pose either.
+  const auto newer = receiver_->newest();
+  if (!received || !newer || newer->model == received->model || record.pose.state == TrackState::lost) return {};
+  return draw(frame, record, newer);
+}
+
+Status LiveClient::draw(const ColorFrame& frame, const TrackRecord& record,
+                        const std::shared_ptr<const ReceivedModel>& received) {
+  const Stopwatch watch;
   const std::shared_ptr<const Model> model = received ? received->model : nullptr;
   ArFrame view;
   view.camera_image = &frame.color;

@@ -54,6 +54,8 @@ class LiveClient {
              std::unique_ptr<SceneReceiver> receiver, std::unique_ptr<Presenter> presenter, const LiveOptions& options,
              const Camera& camera);
   [[nodiscard]] Status show(const ColorFrame& frame);
+  [[nodiscard]] Status draw(const ColorFrame& frame, const TrackRecord& record,
+                            const std::shared_ptr<const ReceivedModel>& received);
   void note_arrival(const ReceivedModel& received, bool tracked);
   void tell_who_waits();
 
