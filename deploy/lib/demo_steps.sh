@@ -59,8 +59,7 @@ wait_for() {
 run_loop() {
   say "the loop: the station plays its recording; the device joins when the first revision is there"
   "$bin/meshloop-station" scene import --scene "$out/scene.db" "$model"
-  # Two machines in one: the handheld must keep pace with its camera, the station's recording waits for it.
-  nice -n 5 "$bin/meshloop-station" run --scene "$out/scene.db" --name demo --domain $domain --source "recording:$station" \
+  "$bin/meshloop-station" run --scene "$out/scene.db" --name demo --domain $domain --source "recording:$station" \
     "${start[@]}" --accept all --out "$out/station" --serve -1 --json >"$out/station.jsonl" 2>"$out/station.log" &
   local station_pid=$!
   trap 'kill $(jobs -p) 2>/dev/null || true' EXIT
