@@ -64,7 +64,7 @@ Result<Acceptance> accept_changes(SceneStore& store, const std::vector<Proposal>
   }
   if (auto png = encode_png(picture)) info.pictures.push_back(std::move(*png));
   const Stopwatch watch;
-  auto model = store.commit(*edits, info);
+  auto model = store.commit_unsynced(*edits, info);
   if (!model) return fail(model.error());
   acceptance.commit_ms = watch.milliseconds();
   acceptance.model = std::move(*model);

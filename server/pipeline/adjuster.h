@@ -21,7 +21,8 @@ struct Acceptance {
 [[nodiscard]] std::vector<Proposal> propose_changes(const TrackedFrame& tracked, const Examination& examination,
                                                     const Rig& rig, const SceneStore& store);
 
-/// Commits the proposals as one revision; `picture` goes into the journal.
+/// Commits the proposals as one revision, without waiting for the disk (SceneStore::sync does): whoever waits for the
+/// change shall not wait for that. `picture` goes into the journal.
 [[nodiscard]] Result<Acceptance> accept_changes(SceneStore& store, const std::vector<Proposal>& accepted,
                                                 const std::string& author, const ColorImage& picture);
 

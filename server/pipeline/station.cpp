@@ -148,6 +148,8 @@ Status Station::accept(const TrackedFrame& tracked, const Examination& examinati
   auto acceptance = accept_changes(*parts_->store, proposals, "automatic", picture);
   if (!acceptance) return fail("accepting", acceptance.error());
   publish_or_retry(acceptance->info.accepted_ns);
+  // A slow disk delays this report only, which promises that the revision will be there whatever happens.
+  if (auto synced = parts_->store->sync(); !synced) return fail("accepting", synced.error());
   tell_revision(tracked, *acceptance, snapshot_ms);
   parts_->examiner.model_changed();
   parts_->after_is_due = true;

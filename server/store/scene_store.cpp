@@ -45,6 +45,8 @@ class SqliteSceneStore final : public SceneStore {
   }
 
   Result<std::shared_ptr<const Model>> commit(const std::vector<Edit>& edits, RevisionInfo info) override;
+  Result<std::shared_ptr<const Model>> commit_unsynced(const std::vector<Edit>& edits, RevisionInfo info) override;
+  Status sync() override;
   Result<std::shared_ptr<const Model>> undo() override { return go_back_or_forth(true); }
   Result<std::shared_ptr<const Model>> redo() override { return go_back_or_forth(false); }
   Result<std::vector<RevisionInfo>> log() const override;
@@ -57,9 +59,12 @@ class SqliteSceneStore final : public SceneStore {
     /// The present revision.
     Place here;
   };
+  enum class Syncing { now, later };
   /// Takes the right to write and checks that this store still shows the last revision.
-  Result<Writing> begin_writing();
+  Result<Writing> begin_writing(Syncing syncing = Syncing::now);
   Result<std::shared_ptr<const Model>> go_back_or_forth(bool back);
+  Result<std::shared_ptr<const Model>> commit_locked(const std::vector<Edit>& edits, RevisionInfo info,
+                                                     Syncing syncing);
   Result<std::shared_ptr<const Model>> write(Transaction transaction, Model after, JournalEntry entry,
                                              NodeId next_node_id);
   /// The edits with hashes that are right whatever the caller filled in, and the first free id after them.
@@ -70,14 +75,16 @@ class SqliteSceneStore final : public SceneStore {
   std::optional<WriterLock> writer_;
   std::shared_ptr<const Model> model_;
   NodeId next_node_id_ = 1;
+  bool is_unsynced_ = false;
 };
 
-Result<SqliteSceneStore::Writing> SqliteSceneStore::begin_writing() {
+Result<SqliteSceneStore::Writing> SqliteSceneStore::begin_writing(Syncing syncing) {
   if (!writer_) {
     auto lock = WriterLock::take(database_.file());
     if (!lock) return fail(lock.error());
     writer_.emplace(std::move(*lock));
   }
+  if (auto ok = database_.sync_commits(syncing == Syncing::now); !ok) return fail(ok.error());
   auto transaction = Transaction::begin(database_, "BEGIN IMMEDIATE");
   if (!transaction) return fail(transaction.error());
   const auto last = last_place(database_);
@@ -121,12 +128,32 @@ Result<std::shared_ptr<const Model>> SqliteSceneStore::write(Transaction transac
 
 Result<std::shared_ptr<const Model>> SqliteSceneStore::commit(const std::vector<Edit>& edits, RevisionInfo info) {
   const std::scoped_lock lock{mutex_};
+  return commit_locked(edits, std::move(info), Syncing::now);
+}
+
+Result<std::shared_ptr<const Model>> SqliteSceneStore::commit_unsynced(const std::vector<Edit>& edits,
+                                                                       RevisionInfo info) {
+  const std::scoped_lock lock{mutex_};
+  is_unsynced_ = true;
+  return commit_locked(edits, std::move(info), Syncing::later);
+}
+
+Status SqliteSceneStore::sync() {
+  const std::scoped_lock lock{mutex_};
+  if (!is_unsynced_) return {};
+  if (auto ok = database_.sync(); !ok) return ok;
+  is_unsynced_ = false;
+  return {};
+}
+
+Result<std::shared_ptr<const Model>> SqliteSceneStore::commit_locked(const std::vector<Edit>& edits, RevisionInfo info,
+                                                                     Syncing syncing) {
   NodeId next_node_id = next_node_id_;
   const auto usable = checked(edits, next_node_id);
   if (!usable) return fail(usable.error());
   auto after = apply(*model_, *usable, model_->revision + 1);
   if (!after) return fail(after.error());
-  auto writing = begin_writing();
+  auto writing = begin_writing(syncing);
   if (!writing) return fail(writing.error());
   JournalEntry entry{std::move(info), {after->revision, after->revision, writing->here.content, std::nullopt}};
   return write(std::move(writing->transaction), std::move(*after), std::move(entry), next_node_id);

@@ -45,6 +45,13 @@ class SceneStore {
   [[nodiscard]] virtual Result<std::shared_ptr<const Model>> commit(const std::vector<Edit>& edits,
                                                                     RevisionInfo info) = 0;
 
+  /// The same, without waiting for the disk: the revision survives the end of this process at any moment, but the loss
+  /// of power only after `sync`.
+  [[nodiscard]] virtual Result<std::shared_ptr<const Model>> commit_unsynced(const std::vector<Edit>& edits,
+                                                                             RevisionInfo info) = 0;
+  /// Returns when everything that was committed is on the disk.
+  [[nodiscard]] virtual Status sync() = 0;
+
   /// Undo and redo are new revisions too: numbers only grow, so that devices never see one number with two contents.
   [[nodiscard]] virtual Result<std::shared_ptr<const Model>> undo() = 0;
   [[nodiscard]] virtual Result<std::shared_ptr<const Model>> redo() = 0;

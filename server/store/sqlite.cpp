@@ -2,10 +2,16 @@
 
 #include <fmt/format.h>
 
+#include "common/base/file.h"
+
 namespace meshloop {
 namespace {
 
 constexpr int kBusyTimeout_ms = 2000;
+/// Pages that the log may grow to before a commit moves them into the file: SQLite's own default.
+constexpr int kCheckpointPages = 1000;
+/// The same where commits do not wait for the disk. Rare, since the commit after it begins the log anew and waits.
+constexpr std::uintmax_t kLongestLog_bytes = 32 << 20;
 
 /// What a result code means for the owner of the file.
 std::string sentence(int code, const std::string& file, const char* detail) {
@@ -74,6 +80,24 @@ Result<std::int64_t> Database::integer(std::string_view sql) {
   if (!row) return fail(row.error());
   if (!*row) return fail(fmt::format("'{}' is damaged (a value is missing); restore it from a copy", file_.string()));
   return query->integer(0);
+}
+
+Status Database::sync_commits(bool wanted) {
+  // A checkpoint would wait for the disk twice.
+  sqlite3_wal_autocheckpoint(connection_.get(), wanted ? kCheckpointPages : 0);
+  return run(wanted ? "PRAGMA synchronous=FULL" : "PRAGMA synchronous=NORMAL");
+}
+
+Status Database::sync() {
+  // A checkpoint alone would not do: it leaves out what a reader still holds back.
+  const std::filesystem::path log{sqlite3_filename_wal(sqlite3_db_filename(connection_.get(), "main"))};
+  if (auto ok = sync_file(log); !ok) return ok;
+  sync_folder(log.parent_path());
+  std::error_code error;
+  if (std::filesystem::file_size(log, error) < kLongestLog_bytes || error) return {};
+  // Not moved into the file this time is no loss: the log has it, and a later one takes it along.
+  sqlite3_wal_checkpoint_v2(connection_.get(), nullptr, SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
+  return {};
 }
 
 void Database::checkpoint_on_close(bool wanted) {

@@ -29,6 +29,10 @@ class Database {
   /// The single integer that a query or pragma gives.
   [[nodiscard]] Result<std::int64_t> integer(std::string_view sql);
 
+  /// Whether each commit returns only when it is on the disk. Not within a transaction.
+  [[nodiscard]] Status sync_commits(bool wanted);
+  /// Brings to the disk what was committed without it.
+  [[nodiscard]] Status sync();
   /// Whether the last connection that closes moves the log into the file.
   void checkpoint_on_close(bool wanted);
   /// True between a BEGIN and its end.
@@ -90,7 +94,7 @@ class Transaction {
   Transaction(Transaction&& other) noexcept : database_{std::exchange(other.database_, nullptr)} {}
   Transaction& operator=(Transaction&&) = delete;
 
-  /// Returns when the changes are on the disk.
+  /// Returns when the changes are on the disk (see Database::sync_commits).
   [[nodiscard]] Status commit();
 
  private:

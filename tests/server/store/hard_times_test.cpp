@@ -1,14 +1,32 @@
 // What happens to a scene outside the plan: a killed process, a full disk, a second program, a damaged file.
+#include <fmt/format.h>
 #include <signal.h>
 #include <sqlite3.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <random>
 #include <thread>
 
 #include "scenes.h"
+
+namespace meshloop {
+namespace {
+int counted_sync(long number, int fd);
+}
+}  // namespace meshloop
+
+// In place of the C library's, for this program and the libraries that it uses.
+extern "C" int fsync(int fd) {
+  return meshloop::counted_sync(SYS_fsync, fd);
+}
+extern "C" int fdatasync(int fd) {
+  return meshloop::counted_sync(SYS_fdatasync, fd);
+}
 
 namespace meshloop {
 namespace {
@@ -18,6 +36,16 @@ using test::content_of;
 using test::expect_same_content;
 using test::open_or_die;
 using test::write_content;
+
+/// How often a log was brought to the disk.
+std::atomic<int> syncs_of_logs{0};
+
+int counted_sync(long number, int fd) {
+  std::error_code error;
+  const auto file = std::filesystem::read_symlink(fmt::format("/proc/self/fd/{}", fd), error);
+  if (file.string().ends_with("-wal")) ++syncs_of_logs;
+  return static_cast<int>(::syscall(number, fd));
+}
 
 class HardTimes : public test::SceneFolder {
  protected:
@@ -33,7 +61,7 @@ class HardTimes : public test::SceneFolder {
   }
 };
 
-/// Runs in a child process: commits, and says each number once commit() has returned.
+/// Runs in a child process: commits, and says each number once the commit has returned.
 [[noreturn]] void commit_for_ever(const std::filesystem::path& scene, int out) {
   const auto store = SceneStore::open(scene, true);
   if (!store) ::_exit(1);
@@ -41,7 +69,9 @@ class HardTimes : public test::SceneFolder {
     std::vector<Edit> edits{add((*store)->next_node_id(), seed, 12)};
     const auto& nodes = (*store)->model()->nodes;
     if (nodes.size() > 4) edits.push_back(RemoveNode{nodes.front().id});
-    const auto model = seed % 7 == 6 ? (*store)->undo() : (*store)->commit(edits, {});
+    const auto model = seed % 7 == 6   ? (*store)->undo()
+                       : seed % 2 == 0 ? (*store)->commit(edits, {})
+                                       : (*store)->commit_unsynced(edits, {});
     if (!model) ::_exit(1);
     const std::uint64_t number = (*model)->revision;
     if (::write(out, &number, sizeof number) != sizeof number) ::_exit(1);
@@ -88,6 +118,47 @@ TEST_F(HardTimes, EveryReportedRevisionSurvivesKillNineAtAnyMoment) {
     reported = (*store)->model()->revision;
   }
   EXPECT_GE(reported, 15u) << "the children hardly committed";
+}
+
+TEST_F(HardTimes, SyncWaitsForTheDiskAndACommitWithoutItDoesNot) {
+  const auto store = open_or_die(scene_);
+  EXPECT_TRUE(store->sync());
+  store->commit({add(1, 1)}, {}).value();
+  EXPECT_GT(syncs_of_logs.exchange(0), 0);
+  ASSERT_TRUE(store->commit_unsynced({add(2, 2, 80)}, {}));
+  ASSERT_TRUE(store->commit_unsynced({add(3, 3, 80)}, {}));
+  EXPECT_EQ(syncs_of_logs, 0);
+  ASSERT_TRUE(store->sync());
+  EXPECT_EQ(syncs_of_logs.exchange(0), 1);
+  ASSERT_TRUE(store->sync());
+  EXPECT_EQ(syncs_of_logs, 0) << "nothing was left to bring to the disk";
+  EXPECT_TRUE(store->undo());
+  EXPECT_GT(syncs_of_logs, 0) << "a later change waits again";
+}
+
+TEST_F(HardTimes, TheLogDoesNotGrowForEver) {
+  const auto store = open_or_die(scene_);
+  std::filesystem::path log = scene_;
+  log += "-wal";
+  std::uintmax_t longest = 0;
+  for (NodeId id = 1; id <= 40; ++id) {
+    ASSERT_TRUE(store->commit_unsynced({add(id, static_cast<int>(id), 250)}, {}));
+    ASSERT_TRUE(store->sync());
+    longest = std::max(longest, std::filesystem::file_size(log));
+  }
+  EXPECT_GT(std::filesystem::file_size(scene_), longest) << "the log was never moved into the file";
+}
+
+TEST_F(HardTimes, AReaderDoesNotKeepASyncFromItsWork) {
+  const auto store = open_or_die(scene_);
+  store->commit({add(1, 1)}, {}).value();
+  sqlite3* reader = nullptr;
+  ASSERT_EQ(sqlite3_open(scene_.c_str(), &reader), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(reader, "BEGIN; SELECT * FROM meta", nullptr, nullptr, nullptr), SQLITE_OK);
+  ASSERT_TRUE(store->commit_unsynced({add(2, 2)}, {}));
+  EXPECT_TRUE(store->sync());
+  sqlite3_close(reader);
+  EXPECT_EQ(open_or_die(scene_, false)->model()->revision, 2u);
 }
 
 TEST_F(HardTimes, AFullDiskKeepsTheLastRevision) {
