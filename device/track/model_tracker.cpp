@@ -44,16 +44,24 @@ bool is_certain(const PoseCovariance& covariance) {
   return spread_m2 < kMaxSpread_m * kMaxSpread_m && spread_rad2 < kMaxSpread_rad * kMaxSpread_rad;
 }
 
+FeatureSet all_trusted(FeatureSet features) {
+  for (auto& feature : features) feature.trusted = true;
+  return features;
+}
+
 class FeatureModelTracker final : public ModelTracker {
  public:
   FeatureModelTracker(std::unique_ptr<SceneRenderer> renderer, const Camera& camera, const ModelTrackerOptions& options)
       : renderer_{std::move(renderer)}, camera_{camera.without_distortion()}, options_{options} {}
 
+  void warm_up(const Model& model) override { (void)render_view(*renderer_, model, camera_, Pose::Identity()); }
   void start_at(const Pose& T_camera_world) override;
   TrackedPose track(const ColorFrame& frame, const std::shared_ptr<const Model>& model) override;
 
  private:
   [[nodiscard]] std::optional<Alignment> go_on(const Model& model, const Picture& picture, double timestamp_s);
+  [[nodiscard]] std::optional<Pose> pose_of(const std::vector<PointObservation>& followed,
+                                            const Pose& prediction) const;
   [[nodiscard]] std::vector<Pose> places_to_try(const Picture& picture, double timestamp_s) const;
   [[nodiscard]] std::optional<Alignment> recover(const Model& model, const Picture& picture, double timestamp_s);
   [[nodiscard]] bool is_sure(const std::optional<Alignment>& found) const;
@@ -99,23 +107,33 @@ std::optional<Alignment> FeatureModelTracker::found_from(const Model& model, con
   return std::nullopt;
 }
 
+std::optional<Pose> FeatureModelTracker::pose_of(const std::vector<PointObservation>& followed,
+                                                 const Pose& prediction) const {
+  RobustPoseOptions options;
+  options.min_inliers = options_.min_inliers;
+  auto pose = refine_pose(followed, camera_, prediction, options);
+  if (!pose) pose = find_pose(followed, camera_, options);
+  if (!pose) return std::nullopt;
+  return pose->T_camera_world;
+}
+
 std::optional<Alignment> FeatureModelTracker::go_on(const Model& model, const Picture& picture, double timestamp_s) {
   const Pose prediction = predict(before_, last_, timestamp_s);
   const FeatureSet followed = follow(features_, last_grey_, picture.grey, camera_, prediction);
-  RobustPoseOptions pose_options;
-  pose_options.min_inliers = options_.min_inliers;
-  const auto observations = observations_of(followed, 1);
-  auto pose = refine_pose(observations, camera_, prediction, pose_options);
-  if (!pose) pose = find_pose(observations, camera_, pose_options);
-  if (!pose) return found_from(model, picture, prediction);
-
-  auto found = align_closely(*renderer_, model, camera_, picture, pose->T_camera_world, followed);
-  if (!is_sure(found)) {
-    // What is followed may lie on something that the model does not have; the model itself then says so.
-    auto without = align_closely(*renderer_, model, camera_, picture, prediction, {});
-    if (is_sure(without)) found = std::move(without);
+  const auto trusted = pose_of(observations_of(followed, 1), prediction);
+  // Features on probation say where to begin, but have no say in the pose.
+  const auto start = trusted ? trusted : pose_of(observations_of(all_trusted(followed), 1), prediction);
+  std::optional<Alignment> found;
+  if (start) {
+    found = align_closely(*renderer_, model, camera_, picture, *start, trusted ? followed : FeatureSet{});
+    if (is_sure(found)) return found;
   }
-  return found;
+  // What is followed may lie on something that the model does not have; the model itself then says so.
+  auto without = align_closely(*renderer_, model, camera_, picture, prediction, {});
+  if (is_sure(without)) return without;
+  if (trusted) return found;
+  found = align_widely(*renderer_, model, camera_, picture, prediction);
+  return is_sure(found) ? found : std::nullopt;
 }
 
 std::vector<Pose> FeatureModelTracker::places_to_try(const Picture& picture, double timestamp_s) const {

@@ -25,6 +25,8 @@ class ModelTracker {
   [[nodiscard]] static Result<std::unique_ptr<ModelTracker>> create(GpuContext& context, const Camera& camera,
                                                                     const ModelTrackerOptions& options);
   virtual ~ModelTracker() = default;
+  /// Draws the model once and forgets it: the first use of a shader compiles it, which must not delay a frame.
+  virtual void warm_up(const Model& model) = 0;
   /// Starts (again) from a known pose: T_camera_world of the next frame.
   virtual void start_at(const Pose& T_camera_world) = 0;
   /// Frames in the order of time, undistorted, in the camera's size. The model may be another one at each call.
