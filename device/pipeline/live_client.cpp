@@ -11,6 +11,39 @@
 #include "common/program/stop_signal.h"
 
 namespace meshloop {
+namespace {
+
+/// One triangle with colours and one without, as wide as the view of most cameras, a metre before it.
+Model two_triangles() {
+  Submesh plain;
+  plain.positions = {{-1, -1, 1}, {1, -1, 1}, {0, 1, 1}};
+  plain.triangles = {{0, 1, 2}};
+  Submesh colored = plain;
+  colored.colors.resize(3);
+  Model model;
+  for (auto* submesh : {&plain, &colored}) {
+    Node node;
+    node.id = model.nodes.size() + 1;
+    node.submesh = std::make_shared<const Submesh>(std::move(*submesh));
+    model.nodes.push_back(std::move(node));
+  }
+  return model;
+}
+
+/// The objects where a camera in the origin sees them.
+std::vector<VirtualObject> in_view(std::vector<VirtualObject> objects) {
+  constexpr double kDistance = 3;
+  for (auto& object : objects) {
+    const auto bounds = object.submesh->bounds();
+    const double size = bounds.diagonal().norm();
+    const Eigen::Vector3d centre = bounds.center().cast<double>();
+    object.T_world_object = Pose{Eigen::Translation3d{Eigen::Vector3d{0, 0, kDistance * size} - centre}};
+  }
+  return objects;
+}
+
+}  // namespace
+
 LiveClient::LiveClient(std::unique_ptr<GpuContext> gpu, TrackingSession session, std::unique_ptr<ArRenderer> renderer,
                        std::unique_ptr<SceneReceiver> receiver, std::unique_ptr<Presenter> presenter,
                        const LiveOptions& options, const Camera& camera)
@@ -32,8 +65,24 @@ Result<std::unique_ptr<LiveClient>> LiveClient::create(const LiveOptions& option
   if (!renderer) return fail(renderer.error());
   auto receiver = SceneReceiver::start(options.link);
   if (!receiver) return fail(receiver.error());
-  return std::unique_ptr<LiveClient>{new LiveClient{std::move(*gpu), std::move(*session), std::move(*renderer),
+  std::unique_ptr<LiveClient> client{new LiveClient{std::move(*gpu), std::move(*session), std::move(*renderer),
                                                     std::move(*receiver), std::move(presenter), options, camera}};
+  client->warm_up();
+  return client;
+}
+
+void LiveClient::warm_up() {
+  const Model model = two_triangles();
+  session_.warm_up(model);
+  const ColorImage black{camera_.width, camera_.height};
+  const auto objects = in_view(options_.objects);
+  ArFrame view;
+  view.camera_image = &black;
+  view.camera = camera_;
+  view.tracked = true;
+  view.model = &model;
+  view.objects = &objects;
+  (void)renderer_->draw(view);
 }
 
 std::string no_scene_yet(const LinkOptions& link) {

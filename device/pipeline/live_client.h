@@ -53,6 +53,8 @@ class LiveClient {
   LiveClient(std::unique_ptr<GpuContext> gpu, TrackingSession session, std::unique_ptr<ArRenderer> renderer,
              std::unique_ptr<SceneReceiver> receiver, std::unique_ptr<Presenter> presenter, const LiveOptions& options,
              const Camera& camera);
+  /// Before the first frame: what is compiled or set up at the first use must not delay it.
+  void warm_up();
   [[nodiscard]] Status show(const ColorFrame& frame);
   [[nodiscard]] Status draw(const ColorFrame& frame, const TrackRecord& record,
                             const std::shared_ptr<const ReceivedModel>& received);

@@ -23,6 +23,8 @@ class TrackingSession {
  public:
   [[nodiscard]] static Result<TrackingSession> create(GpuContext& gpu, const Camera& camera, StartPose start);
 
+  /// See ModelTracker.
+  void warm_up(const Model& model) { tracker_->warm_up(model); }
   /// Tracks one frame; while lost, markers (if any were given) start the tracker again. A null model is lost.
   const TrackRecord& track(const ColorFrame& frame, const std::shared_ptr<const Model>& model);
 
