@@ -33,8 +33,8 @@ def check_loop(out, report):
     times = report["times_ms"]
     limit = max(500, 4 * (times["track"] + times["draw"]))
     slow = [ms for ms in prompt if ms >= limit]
-    programs.check(len(prompt) > 2 and len(slow) <= len(prompt) / 10,
-                   f"accepted to drawn in {[round(ms) for ms in prompt]} ms: nine of ten below {limit:.0f}")
+    programs.check(len(prompt) > 2 and len(slow) <= 1,
+                   f"accepted to drawn in {[round(ms) for ms in prompt]} ms: all but one below {limit:.0f}")
     programs.check(max(delays.values()) < 5000, f"the slowest, lost handheld or not, took {max(delays.values()):.0f} ms")
     for key in ("render", "compare", "snapshot", "encode", "decode", "track", "draw"):
         programs.check(report["times_ms"][key] is not None, f"times_ms.{key} is {report['times_ms'][key]}")
