@@ -100,12 +100,6 @@ Status append_text_file(const std::filesystem::path& file, const std::string& te
   return write_all(file, O_APPEND, std::as_bytes(std::span{text}));
 }
 
-Status sync_file(const std::filesystem::path& file) {
-  const FileDescriptor fd{::open(file.c_str(), O_RDONLY | O_CLOEXEC)};
-  if (fd.get() < 0 || ::fsync(fd.get()) != 0) return failed_to("bring to the disk", file, errno);
-  return {};
-}
-
 void sync_folder(const std::filesystem::path& folder) {
   const FileDescriptor fd{::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
   if (fd.get() >= 0) ::fsync(fd.get());

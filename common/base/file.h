@@ -21,8 +21,6 @@ namespace meshloop {
 /// Adds text at the end of a file (made if missing) in one write, so that a killed process leaves all of it or nothing.
 [[nodiscard]] Status append_text_file(const std::filesystem::path& file, const std::string& text);
 
-/// Waits until the content of the file is on the disk.
-[[nodiscard]] Status sync_file(const std::filesystem::path& file);
 /// Waits until names made or replaced in the folder are on the disk. Best effort: not every file system can.
 void sync_folder(const std::filesystem::path& folder);
 

@@ -91,7 +91,7 @@ Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const Rig& rig,
     if (!picture) return fail(picture.error());
     const auto acceptance = accept_changes(store, accepted, "adjust", *picture);
     if (!acceptance) return fail(acceptance.error());
-    if (auto synced = store.sync(); !synced) return fail(synced.error());
+    if (auto synced = store.sync(); !synced) return synced;
     result["revision"] = acceptance->info.revision;
     result["triangles_added"] = acceptance->info.triangles_added;
     result["triangles_removed"] = acceptance->info.triangles_removed;

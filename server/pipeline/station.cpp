@@ -106,10 +106,9 @@ ColorImage Station::draw_color(const TrackedFrame& tracked, const Examination& e
 }
 
 // `color` is the picture over colour where it has been drawn already.
-void Station::write_pictures(const char* when, const TrackedFrame& tracked, const Examination& examination,
-                             const ColorImage* color) {
+void Station::write_pictures(const char* when, Revision revision, const TrackedFrame& tracked,
+                             const Examination& examination, const ColorImage* color) {
   if (parts_->options.out.empty()) return;
-  const auto revision = parts_->store->model()->revision;
   const auto title = fmt::format("frame {}, {} revision {}, {}", tracked.frame.index, when, revision,
                                  smallest_change_text(examination));
   const auto write = [&](const char* kind, const ColorImage& picture) {
@@ -137,48 +136,78 @@ nlohmann::json Station::confirmed_json(const TrackedFrame& tracked, const Examin
   return regions;
 }
 
-Status Station::accept(const TrackedFrame& tracked, const Examination& examination) {
+Result<std::optional<Station::Change>> Station::change(const TrackedFrame& tracked, Examination examination) {
   const Stopwatch snapshot_watch;
   const auto proposals = propose_changes(tracked, examination, parts_->rig, *parts_->store);
-  const double snapshot_ms = snapshot_watch.milliseconds();
-  if (proposals.empty()) return {};
+  Change change;
+  change.snapshot_ms = snapshot_watch.milliseconds();
+  if (proposals.empty()) return std::nullopt;
   const auto title = fmt::format("frame {}, before revision {}, {}", tracked.frame.index,
                                  parts_->store->model()->revision + 1, smallest_change_text(examination));
-  const ColorImage picture = draw_color(tracked, examination, title);
-  auto acceptance = accept_changes(*parts_->store, proposals, "automatic", picture);
+  change.picture = draw_color(tracked, examination, title);
+  auto acceptance = accept_changes(*parts_->store, proposals, "automatic", change.picture);
   if (!acceptance) return fail("accepting", acceptance.error());
   publish_or_retry(acceptance->info.accepted_ns);
-  // A slow disk delays this report only, which promises that the revision will be there whatever happens.
-  if (auto synced = parts_->store->sync(); !synced) return fail("accepting", synced.error());
-  tell_revision(tracked, *acceptance, snapshot_ms);
+  change.acceptance = std::move(*acceptance);
+  change.published = parts_->last_publish;
+  change.examination = std::move(examination);
   parts_->examiner.model_changed();
-  parts_->after_is_due = true;
-  write_pictures("before", tracked, examination, &picture);
-  return acceptance->info.triangles_removed > 0 ? accept_behind(tracked, examination) : Status{};
+  return change;
 }
 
-Status Station::accept_behind(const TrackedFrame& tracked, const Examination& examination) {
+Status Station::accept(const TrackedFrame& tracked, Examination examination) {
+  auto first = change(tracked, std::move(examination));
+  if (!first) return fail(first.error());
+  if (!*first) return {};
+  std::vector<Change> changes;
+  changes.push_back(std::move(**first));
+  if (changes.front().acceptance.info.triangles_removed > 0) {
+    auto second = change_behind(tracked, changes.front().examination);
+    if (!second) return fail(second.error());
+    if (*second) changes.push_back(std::move(**second));
+  }
+  // The report promises that the revision will be there whatever happens; devices need not wait for that.
+  const Stopwatch watch;
+  if (auto synced = parts_->store->sync(); !synced) {
+    return fail(
+        fmt::format("revision {} was published, but may be gone at the next start", parts_->store->model()->revision),
+        synced.error());
+  }
+  for (const auto& change : changes) tell_revision(tracked, change, watch.milliseconds());
+  for (const auto& change : changes) {
+    write_pictures("before", change.acceptance.info.revision, tracked, change.examination, &change.picture);
+  }
+  parts_->after_is_due = true;
+  return {};
+}
+
+Result<std::optional<Station::Change>> Station::change_behind(const TrackedFrame& tracked,
+                                                              const Examination& examination) {
   auto behind = parts_->examiner.examine_behind(tracked, *parts_->store->model(), examination.regions);
   if (!behind) return fail(fmt::format("frame {}", tracked.frame.index), behind.error());
   auto& regions = behind->regions.regions;
   for (auto& region : regions) region.confirmed = region.confirmed && region.kind == ChangeKind::insertion;
-  return accept(tracked, *behind);  // inserts only, hence ends here
+  return change(tracked, std::move(*behind));
 }
 
-void Station::tell_revision(const TrackedFrame& tracked, const Acceptance& acceptance, double snapshot_ms) const {
-  const auto& report = parts_->last_publish;
+void Station::tell_revision(const TrackedFrame& tracked, const Change& change, double sync_ms) const {
+  const auto& info = change.acceptance.info;
   tell({{"event", "revision"},
-        {"revision", acceptance.info.revision},
+        {"revision", info.revision},
         {"frame", tracked.frame.index},
-        {"accepted_ns", acceptance.info.accepted_ns},
-        {"triangles_added", acceptance.info.triangles_added},
-        {"triangles_removed", acceptance.info.triangles_removed},
-        {"triangles", acceptance.model->triangle_count()},
-        {"bytes", report.bytes},
-        {"raw_bytes", report.raw_bytes},
+        {"accepted_ns", info.accepted_ns},
+        {"triangles_added", info.triangles_added},
+        {"triangles_removed", info.triangles_removed},
+        {"triangles", change.acceptance.model->triangle_count()},
+        {"bytes", change.published.bytes},
+        {"raw_bytes", change.published.raw_bytes},
         {"devices", parts_->publisher.readers()},
-        {"summary", acceptance.info.summary},
-        {"time_ms", {{"snapshot", snapshot_ms}, {"commit", acceptance.commit_ms}, {"encode", report.encode_ms}}}});
+        {"summary", info.summary},
+        {"time_ms",
+         {{"snapshot", change.snapshot_ms},
+          {"commit", change.acceptance.commit_ms},
+          {"encode", change.published.encode_ms},
+          {"sync", sync_ms}}}});
 }
 
 Status Station::handle(const TrackedFrame& tracked) {
@@ -206,10 +235,10 @@ Status Station::handle(const TrackedFrame& tracked) {
   tell(std::move(event));
   if (parts_->after_is_due) {
     parts_->after_is_due = false;
-    write_pictures("after", tracked, *examination, nullptr);
+    write_pictures("after", parts_->store->model()->revision, tracked, *examination, nullptr);
   }
   if (confirmed == 0 || wait || !parts_->options.accept_all) return {};
-  return accept(tracked, *examination);
+  return accept(tracked, std::move(*examination));
 }
 
 void Station::serve() {

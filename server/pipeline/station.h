@@ -43,10 +43,23 @@ class Station {
   struct Parts;
   explicit Station(std::unique_ptr<Parts> parts);
   [[nodiscard]] Status handle(const TrackedFrame& tracked);
-  [[nodiscard]] Status accept(const TrackedFrame& tracked, const Examination& examination);
+  /// A revision that devices have and the disk may not.
+  struct Change {
+    Acceptance acceptance;
+    PublishReport published;
+    /// What it was made from, and its picture.
+    Examination examination;
+    ColorImage picture;
+    double snapshot_ms = 0;
+  };
+  /// Everything that a frame says: one revision or two, published, brought to the disk and told.
+  [[nodiscard]] Status accept(const TrackedFrame& tracked, Examination examination);
+  /// Commits and publishes what is proposed, if anything is.
+  [[nodiscard]] Result<std::optional<Change>> change(const TrackedFrame& tracked, Examination examination);
   /// What stands where a surface was just removed: a box that moved back is there in the same snapshot.
-  [[nodiscard]] Status accept_behind(const TrackedFrame& tracked, const Examination& examination);
-  void tell_revision(const TrackedFrame& tracked, const Acceptance& acceptance, double snapshot_ms) const;
+  [[nodiscard]] Result<std::optional<Change>> change_behind(const TrackedFrame& tracked,
+                                                            const Examination& examination);
+  void tell_revision(const TrackedFrame& tracked, const Change& change, double sync_ms) const;
   [[nodiscard]] Status publish(const std::shared_ptr<const Model>& model, std::int64_t accepted_ns);
   /// What cannot be sent now (a reader does not keep up) is sent again with the next frame, or while serving.
   void publish_or_retry(std::int64_t accepted_ns);
@@ -54,7 +67,7 @@ class Station {
   /// Over colour; empty, with a warning, when it cannot be drawn: a picture stops nothing.
   [[nodiscard]] ColorImage draw_color(const TrackedFrame& tracked, const Examination& examination,
                                       const std::string& title);
-  void write_pictures(const char* when, const TrackedFrame& tracked, const Examination& examination,
+  void write_pictures(const char* when, Revision revision, const TrackedFrame& tracked, const Examination& examination,
                       const ColorImage* color);
   void serve();
   void tell(nlohmann::json event) const;

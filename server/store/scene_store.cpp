@@ -54,19 +54,20 @@ class SqliteSceneStore final : public SceneStore {
   Result<std::uint64_t> begin_epoch() override;
 
  private:
+  enum class Syncing { now, later };
   struct Writing {
     Transaction transaction;
     /// The present revision.
     Place here;
+    Syncing syncing;
   };
-  enum class Syncing { now, later };
   /// Takes the right to write and checks that this store still shows the last revision.
   Result<Writing> begin_writing(Syncing syncing = Syncing::now);
   Result<std::shared_ptr<const Model>> go_back_or_forth(bool back);
   Result<std::shared_ptr<const Model>> commit_locked(const std::vector<Edit>& edits, RevisionInfo info,
                                                      Syncing syncing);
-  Result<std::shared_ptr<const Model>> write(Transaction transaction, Model after, JournalEntry entry,
-                                             NodeId next_node_id);
+  Result<std::shared_ptr<const Model>> write(Writing writing, Model after, JournalEntry entry, NodeId next_node_id);
+  Status finish(Writing& writing);
   /// The edits with hashes that are right whatever the caller filled in, and the first free id after them.
   Result<std::vector<Edit>> checked(std::vector<Edit> edits, NodeId& next_node_id) const;
 
@@ -75,10 +76,14 @@ class SqliteSceneStore final : public SceneStore {
   std::optional<WriterLock> writer_;
   std::shared_ptr<const Model> model_;
   NodeId next_node_id_ = 1;
-  bool is_unsynced_ = false;
+  /// Something was committed, by this process or one that died, that the disk may not have.
+  bool is_unsynced_ = true;
+  /// Why a sync failed.
+  std::optional<Error> broken_;
 };
 
 Result<SqliteSceneStore::Writing> SqliteSceneStore::begin_writing(Syncing syncing) {
+  if (broken_) return fail(*broken_);
   if (!writer_) {
     auto lock = WriterLock::take(database_.file());
     if (!lock) return fail(lock.error());
@@ -93,7 +98,14 @@ Result<SqliteSceneStore::Writing> SqliteSceneStore::begin_writing(Syncing syncin
     return fail(fmt::format("another program has changed '{}' meanwhile (revision {} became {}); open it again",
                             database_.file().string(), model_->revision, last->revision));
   }
-  return Writing{std::move(*transaction), *last};
+  return Writing{std::move(*transaction), *last, syncing};
+}
+
+Status SqliteSceneStore::finish(Writing& writing) {
+  if (auto ok = writing.transaction.commit(); !ok) return ok;
+  // A commit that waits brings the whole log to the disk.
+  is_unsynced_ = writing.syncing == Syncing::later;
+  return {};
 }
 
 Result<std::vector<Edit>> SqliteSceneStore::checked(std::vector<Edit> edits, NodeId& next_node_id) const {
@@ -111,7 +123,7 @@ Result<std::vector<Edit>> SqliteSceneStore::checked(std::vector<Edit> edits, Nod
   return edits;
 }
 
-Result<std::shared_ptr<const Model>> SqliteSceneStore::write(Transaction transaction, Model after, JournalEntry entry,
+Result<std::shared_ptr<const Model>> SqliteSceneStore::write(Writing writing, Model after, JournalEntry entry,
                                                              NodeId next_node_id) {
   entry.info.revision = entry.place.revision = after.revision;
   entry.info.parent = model_->revision;
@@ -120,7 +132,7 @@ Result<std::shared_ptr<const Model>> SqliteSceneStore::write(Transaction transac
   if (auto ok = append_entry(database_, entry); !ok) return fail(ok.error());
   if (auto ok = write_difference(database_, *model_, after); !ok) return fail(ok.error());
   if (auto ok = write_counter(database_, kNextNodeId, next_node_id); !ok) return fail(ok.error());
-  if (auto ok = transaction.commit(); !ok) return fail(ok.error());
+  if (auto ok = finish(writing); !ok) return fail(ok.error());
   model_ = std::make_shared<const Model>(std::move(after));
   next_node_id_ = next_node_id;
   return model_;
@@ -134,14 +146,17 @@ Result<std::shared_ptr<const Model>> SqliteSceneStore::commit(const std::vector<
 Result<std::shared_ptr<const Model>> SqliteSceneStore::commit_unsynced(const std::vector<Edit>& edits,
                                                                        RevisionInfo info) {
   const std::scoped_lock lock{mutex_};
-  is_unsynced_ = true;
   return commit_locked(edits, std::move(info), Syncing::later);
 }
 
 Status SqliteSceneStore::sync() {
   const std::scoped_lock lock{mutex_};
+  if (broken_) return fail(*broken_);
   if (!is_unsynced_) return {};
-  if (auto ok = database_.sync(); !ok) return ok;
+  if (auto ok = database_.sync(); !ok) {
+    broken_ = ok.error();
+    return ok;
+  }
   is_unsynced_ = false;
   return {};
 }
@@ -156,7 +171,7 @@ Result<std::shared_ptr<const Model>> SqliteSceneStore::commit_locked(const std::
   auto writing = begin_writing(syncing);
   if (!writing) return fail(writing.error());
   JournalEntry entry{std::move(info), {after->revision, after->revision, writing->here.content, std::nullopt}};
-  return write(std::move(writing->transaction), std::move(*after), std::move(entry), next_node_id);
+  return write(std::move(*writing), std::move(*after), std::move(entry), next_node_id);
 }
 
 Result<std::shared_ptr<const Model>> SqliteSceneStore::go_back_or_forth(bool back) {
@@ -174,7 +189,7 @@ Result<std::shared_ptr<const Model>> SqliteSceneStore::go_back_or_forth(bool bac
   if (!after) return fail(after.error());
   after->revision = model_->revision + 1;
   JournalEntry entry{info_of_return(*change, back), *place};
-  return write(std::move(writing->transaction), std::move(*after), std::move(entry), next_node_id_);
+  return write(std::move(*writing), std::move(*after), std::move(entry), next_node_id_);
 }
 
 Result<std::vector<RevisionInfo>> SqliteSceneStore::log() const {
@@ -202,7 +217,7 @@ Result<std::uint64_t> SqliteSceneStore::begin_epoch() {
   const auto epoch = read_counter(database_, kEpoch);
   if (!epoch) return fail(epoch.error());
   if (auto ok = write_counter(database_, kEpoch, *epoch + 1); !ok) return fail(ok.error());
-  if (auto ok = writing->transaction.commit(); !ok) return fail(ok.error());
+  if (auto ok = finish(*writing); !ok) return fail(ok.error());
   return *epoch + 1;
 }
 

@@ -46,10 +46,11 @@ class SceneStore {
                                                                     RevisionInfo info) = 0;
 
   /// The same, without waiting for the disk: the revision survives the end of this process at any moment, but the loss
-  /// of power only after `sync`.
+  /// of power only after `sync`. If power is lost before, its number is given again, in a later epoch.
   [[nodiscard]] virtual Result<std::shared_ptr<const Model>> commit_unsynced(const std::vector<Edit>& edits,
                                                                              RevisionInfo info) = 0;
-  /// Returns when everything that was committed is on the disk.
+  /// Returns when everything that was committed is on the disk; other calls wait meanwhile. An error is final: nobody
+  /// can tell what the disk has then, and the store takes no more changes.
   [[nodiscard]] virtual Status sync() = 0;
 
   /// Undo and redo are new revisions too: numbers only grow, so that devices never see one number with two contents.

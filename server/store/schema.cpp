@@ -121,7 +121,10 @@ Result<Database> open_scene_file(const fs::path& file) {
   auto database = Database::open(file, Database::Access::read_write);
   if (!database) return fail(database.error());
   database->checkpoint_on_close(false);
-  if (auto ok = database->run("PRAGMA synchronous=FULL; PRAGMA foreign_keys=ON; PRAGMA cell_size_check=ON"); !ok) {
+  // A log that was long once is cut when it begins anew.
+  if (auto ok = database->run("PRAGMA synchronous=FULL; PRAGMA foreign_keys=ON; PRAGMA cell_size_check=ON; "
+                              "PRAGMA journal_mode=WAL; PRAGMA journal_size_limit=0");
+      !ok) {
     return fail(ok.error());
   }
   if (auto ok = check_pages(*database); !ok) return fail(ok.error());

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "common/base/file.h"
-
 namespace meshloop {
 namespace {
 
@@ -11,7 +9,7 @@ constexpr int kBusyTimeout_ms = 2000;
 /// Pages that the log may grow to before a commit moves them into the file: SQLite's own default.
 constexpr int kCheckpointPages = 1000;
 /// The same where commits do not wait for the disk. Rare, since the commit after it begins the log anew and waits.
-constexpr std::uintmax_t kLongestLog_bytes = 32 << 20;
+constexpr sqlite3_int64 kLongestLog_bytes = 32 << 20;
 
 /// What a result code means for the owner of the file.
 std::string sentence(int code, const std::string& file, const char* detail) {
@@ -90,11 +88,13 @@ Status Database::sync_commits(bool wanted) {
 
 Status Database::sync() {
   // A checkpoint alone would not do: it leaves out what a reader still holds back.
-  const std::filesystem::path log{sqlite3_filename_wal(sqlite3_db_filename(connection_.get(), "main"))};
-  if (auto ok = sync_file(log); !ok) return ok;
-  sync_folder(log.parent_path());
-  std::error_code error;
-  if (std::filesystem::file_size(log, error) < kLongestLog_bytes || error) return {};
+  sqlite3_file* log = nullptr;
+  sqlite3_file_control(connection_.get(), "main", SQLITE_FCNTL_JOURNAL_POINTER, static_cast<void*>(&log));
+  if (log == nullptr || log->pMethods == nullptr) return {};  // nothing was written since the file was opened
+  const int code = log->pMethods->xSync(log, SQLITE_SYNC_NORMAL);
+  if (code != SQLITE_OK) return fail(sentence(code, file_.string(), sqlite3_errstr(code)));
+  sqlite3_int64 log_bytes = 0;
+  if (log->pMethods->xFileSize(log, &log_bytes) != SQLITE_OK || log_bytes < kLongestLog_bytes) return {};
   // Not moved into the file this time is no loss: the log has it, and a later one takes it along.
   sqlite3_wal_checkpoint_v2(connection_.get(), nullptr, SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
   return {};

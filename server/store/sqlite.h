@@ -29,9 +29,10 @@ class Database {
   /// The single integer that a query or pragma gives.
   [[nodiscard]] Result<std::int64_t> integer(std::string_view sql);
 
-  /// Whether each commit returns only when it is on the disk. Not within a transaction.
+  /// Whether each commit returns only when it is on the disk, and a long log is moved into the file by commits. Not
+  /// within a transaction.
   [[nodiscard]] Status sync_commits(bool wanted);
-  /// Brings to the disk what was committed without it.
+  /// Brings to the disk what was committed while that was not wanted, and moves a long log into the file.
   [[nodiscard]] Status sync();
   /// Whether the last connection that closes moves the log into the file.
   void checkpoint_on_close(bool wanted);

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <random>
 #include <thread>
@@ -37,13 +38,18 @@ using test::expect_same_content;
 using test::open_or_die;
 using test::write_content;
 
-/// How often a log was brought to the disk.
+/// How often a log was brought to the disk, by any store of this program.
 std::atomic<int> syncs_of_logs{0};
+std::atomic<bool> syncs_fail{false};
 
 int counted_sync(long number, int fd) {
   std::error_code error;
   const auto file = std::filesystem::read_symlink(fmt::format("/proc/self/fd/{}", fd), error);
   if (file.string().ends_with("-wal")) ++syncs_of_logs;
+  if (syncs_fail) {
+    errno = EIO;
+    return -1;
+  }
   return static_cast<int>(::syscall(number, fd));
 }
 
@@ -72,7 +78,7 @@ class HardTimes : public test::SceneFolder {
     const auto model = seed % 7 == 6   ? (*store)->undo()
                        : seed % 2 == 0 ? (*store)->commit(edits, {})
                                        : (*store)->commit_unsynced(edits, {});
-    if (!model) ::_exit(1);
+    if (!model || !(*store)->sync()) ::_exit(1);
     const std::uint64_t number = (*model)->revision;
     if (::write(out, &number, sizeof number) != sizeof number) ::_exit(1);
   }
@@ -122,7 +128,7 @@ TEST_F(HardTimes, EveryReportedRevisionSurvivesKillNineAtAnyMoment) {
 
 TEST_F(HardTimes, SyncWaitsForTheDiskAndACommitWithoutItDoesNot) {
   const auto store = open_or_die(scene_);
-  EXPECT_TRUE(store->sync());
+  syncs_of_logs = 0;
   store->commit({add(1, 1)}, {}).value();
   EXPECT_GT(syncs_of_logs.exchange(0), 0);
   ASSERT_TRUE(store->commit_unsynced({add(2, 2, 80)}, {}));
@@ -136,17 +142,40 @@ TEST_F(HardTimes, SyncWaitsForTheDiskAndACommitWithoutItDoesNot) {
   EXPECT_GT(syncs_of_logs, 0) << "a later change waits again";
 }
 
-TEST_F(HardTimes, TheLogDoesNotGrowForEver) {
+TEST_F(HardTimes, WhatAProcessThatDiedLeftUnsyncedIsSyncedByTheNext) {
+  open_or_die(scene_)->commit({add(1, 1)}, {}).value();
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const auto store = SceneStore::open(scene_, false);
+    (void)(*store)->commit_unsynced({add(2, 2)}, {});
+    ::_exit(0);  // without closing the store
+  }
+  ::waitpid(child, nullptr, 0);
+  const auto store = open_or_die(scene_, false);
+  EXPECT_EQ(store->model()->revision, 2u);
+  syncs_of_logs = 0;
+  EXPECT_TRUE(store->sync());
+  EXPECT_EQ(syncs_of_logs, 1);
+}
+
+TEST_F(HardTimes, ALongLogIsMovedIntoTheFileAndCut) {
   const auto store = open_or_die(scene_);
   std::filesystem::path log = scene_;
   log += "-wal";
+  NodeId id = 1;
   std::uintmax_t longest = 0;
-  for (NodeId id = 1; id <= 40; ++id) {
+  // 2.5 MB each.
+  for (; id <= 40; ++id) {
     ASSERT_TRUE(store->commit_unsynced({add(id, static_cast<int>(id), 250)}, {}));
     ASSERT_TRUE(store->sync());
     longest = std::max(longest, std::filesystem::file_size(log));
   }
-  EXPECT_GT(std::filesystem::file_size(scene_), longest) << "the log was never moved into the file";
+  EXPECT_LT(longest, 40u << 20);
+  EXPECT_GT(std::filesystem::file_size(scene_), 60u << 20);
+  // Of some changes on, one at most is the first of a new log, which waits.
+  syncs_of_logs = 0;
+  for (const NodeId end = id + 4; id < end; ++id) ASSERT_TRUE(store->commit_unsynced({add(id, 1)}, {}));
+  EXPECT_LE(syncs_of_logs, 1);
 }
 
 TEST_F(HardTimes, AReaderDoesNotKeepASyncFromItsWork) {
@@ -156,9 +185,35 @@ TEST_F(HardTimes, AReaderDoesNotKeepASyncFromItsWork) {
   ASSERT_EQ(sqlite3_open(scene_.c_str(), &reader), SQLITE_OK);
   ASSERT_EQ(sqlite3_exec(reader, "BEGIN; SELECT * FROM meta", nullptr, nullptr, nullptr), SQLITE_OK);
   ASSERT_TRUE(store->commit_unsynced({add(2, 2)}, {}));
+  syncs_of_logs = 0;
   EXPECT_TRUE(store->sync());
+  EXPECT_EQ(syncs_of_logs, 1);
   sqlite3_close(reader);
-  EXPECT_EQ(open_or_die(scene_, false)->model()->revision, 2u);
+}
+
+TEST_F(HardTimes, AFailedSyncIsFinal) {
+  const auto store = open_or_die(scene_);
+  store->commit({add(1, 1)}, {}).value();
+  ASSERT_TRUE(store->commit_unsynced({add(2, 2)}, {}));
+  syncs_fail = true;
+  const auto failed = store->sync();
+  syncs_fail = false;
+  ASSERT_FALSE(failed);
+  EXPECT_NE(failed.error().message.find("the disk refused"), std::string::npos) << failed.error().message;
+  EXPECT_FALSE(store->sync()) << "the kernel reports a lost page once, and forgets it";
+  EXPECT_FALSE(store->commit({add(3, 3)}, {}));
+  EXPECT_FALSE(store->undo());
+  EXPECT_EQ(store->model()->revision, 2u);
+}
+
+TEST_F(HardTimes, ASceneWithoutALogGetsOne) {
+  open_or_die(scene_)->commit({add(1, 1)}, {}).value();
+  run_sql("PRAGMA journal_mode=DELETE");
+  const auto store = open_or_die(scene_, false);
+  ASSERT_TRUE(store->commit_unsynced({add(2, 2)}, {}));
+  syncs_of_logs = 0;
+  EXPECT_TRUE(store->sync());
+  EXPECT_EQ(syncs_of_logs, 1);
 }
 
 TEST_F(HardTimes, AFullDiskKeepsTheLastRevision) {
