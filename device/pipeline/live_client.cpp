@@ -13,20 +13,17 @@
 namespace meshloop {
 namespace {
 
-/// One triangle with colours and one without, as wide as the view of most cameras, a metre before it.
+/// Side by side, a metre before the camera: a triangle with colours and one without.
 Model two_triangles() {
   Submesh plain;
-  plain.positions = {{-1, -1, 1}, {1, -1, 1}, {0, 1, 1}};
+  plain.positions = {{0, -1, 1}, {1, -1, 1}, {0, 1, 1}};
   plain.triangles = {{0, 1, 2}};
-  Submesh colored = plain;
+  Submesh colored;
+  colored.positions = {{-1, -1, 1}, {0, -1, 1}, {0, 1, 1}};
+  colored.triangles = plain.triangles;
   colored.colors.resize(3);
   Model model;
-  for (auto* submesh : {&plain, &colored}) {
-    Node node;
-    node.id = model.nodes.size() + 1;
-    node.submesh = std::make_shared<const Submesh>(std::move(*submesh));
-    model.nodes.push_back(std::move(node));
-  }
+  model.nodes = {make_node(1, "plain", std::move(plain)), make_node(2, "colored", std::move(colored))};
   return model;
 }
 
@@ -100,7 +97,7 @@ void LiveClient::tell_who_waits() {
 void LiveClient::note_arrival(const ReceivedModel& received, bool tracked) {
   const bool was_lost = std::exchange(was_lost_, !tracked);
   const Revision revision = received.model->revision;
-  RevisionTimes& times = revisions_[revision];
+  RevisionTimes& times = revisions_[{received.epoch, revision}];
   if (times.drawn_ns != 0) return;
   times.accepted_ns = received.accepted_ns;
   times.complete_ns = received.complete_ns;
@@ -165,9 +162,9 @@ Status LiveClient::run(ColorSource& camera, double seconds) {
 
 nlohmann::json LiveClient::report(const std::optional<Trajectory>& truth) const {
   nlohmann::json revisions = nlohmann::json::array();
-  for (const auto& [revision, times] : revisions_) {
+  for (const auto& [key, times] : revisions_) {
     if (times.drawn_ns == 0) continue;
-    revisions.push_back({{"revision", revision},
+    revisions.push_back({{"revision", key.second},
                          {"accepted_ns", times.accepted_ns},
                          {"complete_ns", times.complete_ns},
                          {"drawn_ns", times.drawn_ns},

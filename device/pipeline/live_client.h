@@ -68,7 +68,8 @@ class LiveClient {
   std::unique_ptr<Presenter> presenter_;
   Camera camera_;
   LiveOptions options_;
-  std::map<Revision, RevisionTimes> revisions_;
+  /// By the station's start and the revision: after a loss of power a number may come again.
+  std::map<std::pair<std::uint64_t, Revision>, RevisionTimes> revisions_;
   std::deque<double> draw_ms_;
   Stopwatch waiting_;
   bool told_ = false;

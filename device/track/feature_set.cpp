@@ -125,6 +125,12 @@ std::vector<PointObservation> observations_of(const FeatureSet& features, double
   return observations;
 }
 
+std::vector<PointObservation> observations_of_all(const FeatureSet& features, double sigma_px) {
+  std::vector<PointObservation> observations;
+  for (const auto& feature : features) observations.push_back({feature.p_world, feature.pixel, sigma_px});
+  return observations;
+}
+
 int count_trusted(const FeatureSet& features) {
   return static_cast<int>(
       std::count_if(features.begin(), features.end(), [](const Feature& feature) { return feature.trusted; }));

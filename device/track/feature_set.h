@@ -43,6 +43,8 @@ using FeatureSet = std::vector<Feature>;
 
 /// The trusted ones, for the solver.
 [[nodiscard]] std::vector<PointObservation> observations_of(const FeatureSet& features, double sigma_px);
+/// All of them, for a pose to begin with.
+[[nodiscard]] std::vector<PointObservation> observations_of_all(const FeatureSet& features, double sigma_px);
 
 [[nodiscard]] int count_trusted(const FeatureSet& features);
 

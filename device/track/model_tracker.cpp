@@ -44,8 +44,8 @@ bool is_certain(const PoseCovariance& covariance) {
   return spread_m2 < kMaxSpread_m * kMaxSpread_m && spread_rad2 < kMaxSpread_rad * kMaxSpread_rad;
 }
 
-FeatureSet all_trusted(FeatureSet features) {
-  for (auto& feature : features) feature.trusted = true;
+FeatureSet on_probation(FeatureSet features) {
+  std::erase_if(features, [](const Feature& feature) { return feature.trusted; });
   return features;
 }
 
@@ -121,19 +121,18 @@ std::optional<Alignment> FeatureModelTracker::go_on(const Model& model, const Pi
   const Pose prediction = predict(before_, last_, timestamp_s);
   const FeatureSet followed = follow(features_, last_grey_, picture.grey, camera_, prediction);
   const auto trusted = pose_of(observations_of(followed, 1), prediction);
-  // Features on probation say where to begin, but have no say in the pose.
-  const auto start = trusted ? trusted : pose_of(observations_of(all_trusted(followed), 1), prediction);
+  // Too few to fix a pose are too few to tell a wrong one among them: the model alone has a say then, and the others
+  // may say where to begin.
+  const auto start = trusted ? trusted : pose_of(observations_of_all(followed, 1), prediction);
   std::optional<Alignment> found;
   if (start) {
-    found = align_closely(*renderer_, model, camera_, picture, *start, trusted ? followed : FeatureSet{});
+    found = align_closely(*renderer_, model, camera_, picture, *start, trusted ? followed : on_probation(followed));
     if (is_sure(found)) return found;
   }
+  if (!trusted) return found_from(model, picture, prediction);
   // What is followed may lie on something that the model does not have; the model itself then says so.
   auto without = align_closely(*renderer_, model, camera_, picture, prediction, {});
-  if (is_sure(without)) return without;
-  if (trusted) return found;
-  found = align_widely(*renderer_, model, camera_, picture, prediction);
-  return is_sure(found) ? found : std::nullopt;
+  return is_sure(without) ? without : found;
 }
 
 std::vector<Pose> FeatureModelTracker::places_to_try(const Picture& picture, double timestamp_s) const {
