@@ -18,13 +18,13 @@ int report_parse_error(CLI::App& app, const CLI::ParseError& error) {
   return report(app, Error{ErrorKind::usage, std::string(error.what()) + " (try --help)"});
 }
 
-/// Every frame takes and frees pictures of a few megabytes. The C library would give each back to the kernel, which
-/// then clears its pages again for the next frame: a fifth of the handheld's time.
+/// Every frame takes and frees pictures of a few megabytes. Left to itself the C library gives the freed end of the
+/// heap back to the kernel, which clears its pages again for the next frame: a fifth of the handheld's time.
 void keep_memory_between_frames() {
 #ifdef __GLIBC__
-  constexpr int kLargestPicture_bytes = 16 << 20;
+  constexpr int kLargestBlock_bytes = 32 << 20;  // the most that the library takes
   constexpr int kKept_bytes = 128 << 20;
-  mallopt(M_MMAP_THRESHOLD, kLargestPicture_bytes);
+  mallopt(M_MMAP_THRESHOLD, kLargestBlock_bytes);
   mallopt(M_TRIM_THRESHOLD, kKept_bytes);
 #endif
 }
