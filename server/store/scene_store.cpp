@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "common/base/clock.h"
+#include "server/store/file_identity.h"
 #include "server/store/journal.h"
 #include "server/store/model_rows.h"
 #include "server/store/schema.h"
@@ -32,8 +33,11 @@ RevisionInfo info_of_return(const RevisionInfo& change, bool undone) {
 
 class SqliteSceneStore final : public SceneStore {
  public:
-  SqliteSceneStore(Database database, std::shared_ptr<const Model> model, NodeId next_node_id)
-      : database_{std::move(database)}, model_{std::move(model)}, next_node_id_{next_node_id} {}
+  SqliteSceneStore(Database database, FileIdentity identity, std::shared_ptr<const Model> model, NodeId next_node_id)
+      : database_{std::move(database)},
+        identity_{std::move(identity)},
+        model_{std::move(model)},
+        next_node_id_{next_node_id} {}
 
   std::shared_ptr<const Model> model() const override {
     const std::scoped_lock lock{mutex_};
@@ -73,6 +77,7 @@ class SqliteSceneStore final : public SceneStore {
 
   mutable std::mutex mutex_;
   mutable Database database_;
+  FileIdentity identity_;
   std::optional<WriterLock> writer_;
   std::shared_ptr<const Model> model_;
   NodeId next_node_id_ = 1;
@@ -84,6 +89,7 @@ class SqliteSceneStore final : public SceneStore {
 
 Result<SqliteSceneStore::Writing> SqliteSceneStore::begin_writing(Syncing syncing) {
   if (broken_) return fail(*broken_);
+  if (auto same = identity_.check(); !same) return fail(same.error());
   if (!writer_) {
     auto lock = WriterLock::take(database_.file());
     if (!lock) return fail(lock.error());
@@ -262,13 +268,16 @@ Result<State> read_state(Database& database) {
 
 Result<std::unique_ptr<SceneStore>> SceneStore::open(const std::filesystem::path& file, bool create) {
   if (auto ok = make_sure_it_is_there(file, create); !ok) return fail(ok.error());
+  auto identity = FileIdentity::of(file);
+  if (!identity) return fail(identity.error());
   auto database = open_scene_file(file);
   if (!database) return fail(database.error());
   auto state = read_state(*database);
   if (!state) return fail(state.error());
   database->checkpoint_on_close(true);
-  return std::make_unique<SqliteSceneStore>(
-      std::move(*database), std::make_shared<const Model>(std::move(state->model)), state->next_node_id);
+  return std::make_unique<SqliteSceneStore>(std::move(*database), std::move(*identity),
+                                            std::make_shared<const Model>(std::move(state->model)),
+                                            state->next_node_id);
 }
 
 }  // namespace meshloop

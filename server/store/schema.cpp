@@ -57,6 +57,15 @@ void remove_with_companions(const fs::path& file) {
   for (const char* ending : {"", "-wal", "-shm", "-journal"}) fs::remove(file.string() + ending, ignored);
 }
 
+/// Beside a new file of its name SQLite would take the log of a deleted one for that file's own.
+Status check_no_log_is_left(const fs::path& file) {
+  const fs::path log = file.string() + "-wal";
+  std::error_code ignored;
+  if (!fs::exists(log, ignored) || fs::exists(file, ignored)) return {};
+  return fail(
+      fmt::format("'{}' is left of a scene that was deleted or moved; put that back, or delete it too", log.string()));
+}
+
 Status check_identity(Database& database) {
   const auto id = database.integer("PRAGMA application_id");
   if (!id) return fail(id.error());
@@ -95,6 +104,7 @@ Status check_pages(Database& database) {
 }  // namespace
 
 Status create_scene_file(const fs::path& file) {
+  if (auto ok = check_no_log_is_left(file); !ok) return ok;
   const auto folder = file.has_parent_path() ? file.parent_path() : fs::path{"."};
   const fs::path temporary = folder / fmt::format(".{}.{}.new", file.filename().string(), ::getpid());
   remove_with_companions(temporary);

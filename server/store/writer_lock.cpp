@@ -20,7 +20,10 @@ constexpr std::chrono::milliseconds kPause{20};
 }  // namespace
 
 Result<WriterLock> WriterLock::take(const std::filesystem::path& scene) {
-  const std::string name = scene.string() + "-lock";
+  // Whatever symbolic link led here, the lock is the file's.
+  std::error_code unknown;
+  const auto real = std::filesystem::weakly_canonical(scene, unknown);
+  const std::string name = (unknown ? scene : real).string() + "-lock";
   const int fd = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (fd < 0) {
     return fail(fmt::format("'{}' cannot be written: {}", scene.string(), std::generic_category().message(errno)));

@@ -206,6 +206,34 @@ TEST_F(HardTimes, AFailedSyncIsFinal) {
   EXPECT_EQ(store->model()->revision, 2u);
 }
 
+TEST_F(HardTimes, AFileThatWasDeletedOrReplacedTakesNoMoreChanges) {
+  const auto away = scene_.parent_path() / "away.db";
+  const auto store = open_or_die(scene_);
+  store->commit({add(1, 1)}, {}).value();
+  std::filesystem::rename(scene_, away);
+  const auto moved = store->commit_unsynced({add(2, 2)}, {});
+  ASSERT_FALSE(moved);
+  EXPECT_NE(moved.error().message.find("deleted or moved"), std::string::npos) << moved.error().message;
+  // Its log is still there, and would be taken for that of a new scene.
+  EXPECT_NE(refusal(scene_).find("is left of a scene"), std::string::npos) << refusal(scene_);
+  std::filesystem::copy_file(away, scene_);
+  const auto replaced = store->undo();
+  ASSERT_FALSE(replaced);
+  EXPECT_NE(replaced.error().message.find("replaced"), std::string::npos) << replaced.error().message;
+  std::filesystem::rename(away, scene_);
+  EXPECT_TRUE(store->commit({add(2, 2)}, {})) << "put back, it goes on";
+}
+
+TEST_F(HardTimes, ASymbolicLinkLeadsToTheSameLock) {
+  const auto link = scene_.parent_path() / "link.db";
+  const auto writer = open_or_die(scene_);
+  writer->commit({add(1, 1)}, {}).value();
+  std::filesystem::create_symlink(scene_, link);
+  const auto refused = open_or_die(link, false)->undo();
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("another program is writing"), std::string::npos) << refused.error().message;
+}
+
 TEST_F(HardTimes, ASceneWithoutALogGetsOne) {
   open_or_die(scene_)->commit({add(1, 1)}, {}).value();
   run_sql("PRAGMA journal_mode=DELETE");
