@@ -2,6 +2,7 @@
 
 #include <malloc.h>
 
+#include <csignal>
 #include <exception>
 #include <iostream>
 
@@ -40,9 +41,13 @@ void prepare(CLI::App& app) {
 
 int run_program(CLI::App& app, int argc, char** argv, const Action& action) {
   keep_memory_between_frames();
+  // A file that may not grow is an error where it is written, as a full disk is.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     app.parse(argc, argv);
     if (const Status done = action(); !done) return report(app, done.error());
+    if (!std::cout.flush())
+      return report(app, Error{ErrorKind::failed, "the output could not be written; is the disk full?"});
     return 0;
   } catch (const CLI::ParseError& error) {
     return report_parse_error(app, error);

@@ -46,6 +46,13 @@ def damaged_recording(name, file, content):
     return copy
 
 
+print("-- output that cannot be written")
+full = programs.run("sh", "-c", 'exec "$0" "$@" >/dev/full', *detect("--json"))
+programs.check(full.returncode == 1 and "could not be written" in full.stderr, "a full disk behind the output: " + full.stderr)
+programs.check(programs.run(STATION, "scene", "import", "--scene", path / "small.db", model).returncode == 0, "a scene is made")
+small = programs.run("sh", "-c", 'ulimit -f 200; exec "$0" "$@"', STATION, "scene", "export", "--scene", path / "small.db", path / "small.ply")
+programs.check(small.returncode == 1 and len(small.stderr.splitlines()) == 1 and "small.ply" in small.stderr,
+               f"a file that may not grow: exit {small.returncode}: {small.stderr}")
 print("-- usage")
 refused("no subcommand", 2, STATION)
 refused("unknown option", 2, STATION, "detect", "--nonsense")
