@@ -28,13 +28,12 @@ def check_loop(out, report):
     programs.check(middle is not None and middle < 500, f"half of the revisions are drawn within {middle or 0:.0f} ms: below 500")
     # Nothing can be drawn while the handheld does not know where it is.
     prompt = sorted(ms for revision, ms in delays.items() if int(revision) not in publish["waited_for_pose"])
-    # 500 ms, or as long as the device takes for four pictures where that is longer, and one of them may be late: the
-    # machine may be anybody's.
+    # 500 ms, or as long as the device takes for four pictures where that is longer: the machine may be anybody's.
     times = report["times_ms"]
     limit = max(500, 4 * (times["track"] + times["draw"]))
     slow = [ms for ms in prompt if ms >= limit]
-    programs.check(len(prompt) > 2 and len(slow) <= 1,
-                   f"accepted to drawn in {[round(ms) for ms in prompt]} ms: all but one below {limit:.0f}")
+    programs.check(len(prompt) > 2 and len(slow) <= len(prompt) / 10,
+                   f"accepted to drawn in {[round(ms) for ms in prompt]} ms: nine of ten below {limit:.0f}")
     programs.check(max(delays.values()) < 5000, f"the slowest, lost handheld or not, took {max(delays.values()):.0f} ms")
     for key in ("render", "compare", "snapshot", "encode", "decode", "track", "draw"):
         programs.check(report["times_ms"][key] is not None, f"times_ms.{key} is {report['times_ms'][key]}")
@@ -50,10 +49,10 @@ def check_tracking(report):
         after = adjustment["after"]["mean_error_m"]
         programs.check(after <= 0.01, f"{adjustment['name']}: mean error {after * 1000:.1f} mm after: at most 10")
         # The tracker says lost rather than follow what the model contradicts, so the error of what is left tells little.
-        # A box that is 2 cm off it may leave out altogether; without a box there is too little to hold on to.
         before, after = (adjustment[when]["placed_share"] for when in ("before", "after"))
-        most_before = 0.8 if adjustment["name"] == "insertion" else 1
-        programs.check(before <= most_before and after >= 0.98,
+        # Without a box there is too little to hold on to; one that the model has 2 cm off must do no harm.
+        as_expected = before >= 0.98 if adjustment["name"] == "move" else before <= 0.8
+        programs.check(as_expected and after >= 0.98,
                        f"{adjustment['name']}: placed within 1 cm: {before:.0%} of the frames before, {after:.0%} after")
     error = track["mean_error_m"]
     programs.check(error["before"] >= 2 * error["after"],
