@@ -23,8 +23,8 @@ int report_parse_error(CLI::App& app, const CLI::ParseError& error) {
 /// heap back to the kernel, which clears its pages again for the next frame: a fifth of the handheld's time.
 void keep_memory_between_frames() {
 #ifdef __GLIBC__
-  constexpr int kLargestBlock_bytes =
-      8 << 20;  // a picture of 1280x720 with 8 bytes a pixel; larger blocks are not kept
+  // A picture of 1280x720 with 8 bytes a pixel; larger blocks are not kept.
+  constexpr int kLargestBlock_bytes = 8 << 20;
   constexpr int kKept_bytes = 32 << 20;
   mallopt(M_MMAP_THRESHOLD, kLargestBlock_bytes);
   mallopt(M_TRIM_THRESHOLD, kKept_bytes);
@@ -46,8 +46,7 @@ int run_program(CLI::App& app, int argc, char** argv, const Action& action) {
   try {
     app.parse(argc, argv);
     if (const Status done = action(); !done) return report(app, done.error());
-    if (!std::cout.flush())
-      return report(app, Error{ErrorKind::failed, "the output could not be written; is the disk full?"});
+    if (!std::cout.flush()) return report(app, {ErrorKind::failed, "the output cannot be written; is the disk full?"});
     return 0;
   } catch (const CLI::ParseError& error) {
     return report_parse_error(app, error);

@@ -48,7 +48,7 @@ def damaged_recording(name, file, content):
 
 print("-- output that cannot be written")
 full = programs.run("sh", "-c", 'exec "$0" "$@" >/dev/full', *detect("--json"))
-programs.check(full.returncode == 1 and "could not be written" in full.stderr, "a full disk behind the output: " + full.stderr)
+programs.check(full.returncode == 1 and "cannot be written" in full.stderr, "a full disk behind the output: " + full.stderr)
 programs.check(programs.run(STATION, "scene", "import", "--scene", path / "small.db", model).returncode == 0, "a scene is made")
 small = programs.run("sh", "-c", 'ulimit -f 200; exec "$0" "$@"', STATION, "scene", "export", "--scene", path / "small.db", path / "small.ply")
 programs.check(small.returncode == 1 and len(small.stderr.splitlines()) == 1 and "small.ply" in small.stderr,
