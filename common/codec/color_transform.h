@@ -1,6 +1,9 @@
 #pragma once
 // Colours are stored as (r - g, g, b - g) around the middle, modulo 256: reversible, and of less entropy than RGB,
-// since brightness changes more from vertex to vertex than hue.
+// since brightness changes more from vertex to vertex than hue. Where every colour of a submesh is a multiple of four,
+// the quarters are stored instead, which keeps the coder's tables short; Draco's data type of the attribute says so.
+#include <draco/core/draco_types.h>
+
 #include <array>
 #include <cstdint>
 
@@ -10,14 +13,24 @@ namespace meshloop {
 
 using CodedColor = std::array<std::uint8_t, 3>;
 
-[[nodiscard]] constexpr CodedColor to_coded(const Rgb8& color) {
-  return {static_cast<std::uint8_t>(color.r - color.g + 128), color.g,
-          static_cast<std::uint8_t>(color.b - color.g + 128)};
+inline constexpr int kCoarseColorStep = 4;
+
+/// The step between the colours of an attribute of this data type; 0 where a colour cannot have it.
+[[nodiscard]] constexpr int color_step(draco::DataType type) {
+  if (type == draco::DT_INT8) return kCoarseColorStep;
+  return type == draco::DT_UINT8 ? 1 : 0;
 }
 
-[[nodiscard]] constexpr Rgb8 from_coded(const CodedColor& coded) {
-  return {static_cast<std::uint8_t>(coded[0] + coded[1] - 128), coded[1],
-          static_cast<std::uint8_t>(coded[2] + coded[1] - 128)};
+[[nodiscard]] constexpr CodedColor to_coded(const Rgb8& color, int step) {
+  const int g = color.g / step;
+  return {static_cast<std::uint8_t>(color.r / step - g + 128), static_cast<std::uint8_t>(g),
+          static_cast<std::uint8_t>(color.b / step - g + 128)};
+}
+
+/// Modulo 256, whatever the bytes are.
+[[nodiscard]] constexpr Rgb8 from_coded(const CodedColor& coded, int step) {
+  return {static_cast<std::uint8_t>((coded[0] + coded[1] - 128) * step), static_cast<std::uint8_t>(coded[1] * step),
+          static_cast<std::uint8_t>((coded[2] + coded[1] - 128) * step)};
 }
 
 }  // namespace meshloop

@@ -16,16 +16,19 @@ namespace {
 
 using draco::GeometryAttribute;
 
-bool is_three_of(const draco::PointAttribute& attribute, GeometryAttribute::Type kind, draco::DataType type) {
-  return attribute.attribute_type() == kind && attribute.data_type() == type && attribute.num_components() == 3;
+bool is_three_of(const draco::PointAttribute& attribute, GeometryAttribute::Type kind) {
+  return attribute.attribute_type() == kind && attribute.num_components() == 3;
 }
 
 /// Positions, and perhaps colours: all that encode() writes.
 bool has_expected_attributes(const draco::PointCloud& cloud) {
   const int count = cloud.num_attributes();
   if (count != 1 && count != 2) return false;
-  return is_three_of(*cloud.attribute(0), GeometryAttribute::POSITION, draco::DT_FLOAT32) &&
-         (count == 1 || is_three_of(*cloud.attribute(1), GeometryAttribute::COLOR, draco::DT_UINT8));
+  const auto& position = *cloud.attribute(0);
+  if (!is_three_of(position, GeometryAttribute::POSITION) || position.data_type() != draco::DT_FLOAT32) return false;
+  if (count == 1) return true;
+  const auto& color = *cloud.attribute(1);
+  return is_three_of(color, GeometryAttribute::COLOR) && color_step(color.data_type()) != 0;
 }
 
 /// Stops after the attributes' descriptions when they are not the expected ones, so that no value of another kind is
@@ -63,7 +66,8 @@ Result<Submesh> to_submesh(const draco::Mesh& mesh) {
     return fail("the Draco payload has fewer values than vertices");
   }
   submesh.colors.reserve(coded.size());
-  for (const auto& color : coded) submesh.colors.push_back(from_coded(color));
+  const int step = has_colors ? color_step(mesh.attribute(1)->data_type()) : 1;
+  for (const auto& color : coded) submesh.colors.push_back(from_coded(color, step));
   submesh.triangles.reserve(mesh.num_faces());
   for (std::uint32_t t = 0; t < mesh.num_faces(); ++t) {
     const auto& face = mesh.face(draco::FaceIndex(t));

@@ -18,6 +18,7 @@ namespace {
 
 /// Draco rounds with floor(x + 0.5f), which is exact below 2^23 only.
 constexpr int kMaxBits = 23;
+constexpr double kMaxWidth_m = ((1 << kMaxBits) - 1) * static_cast<double>(kLatticeSpacing_m);
 
 /// Edgebreaker leaves out triangles that name a vertex twice. Their second use gets a vertex of its own.
 Submesh with_distinct_corners(const Submesh& submesh) {
@@ -34,12 +35,18 @@ Submesh with_distinct_corners(const Submesh& submesh) {
   return distinct;
 }
 
+/// Colours in steps of four, as a snapshot's are, are written as such.
+draco::DataType color_type(const std::vector<Rgb8>& colors) {
+  const auto in_steps = [](const Rgb8& color) { return (color.r | color.g | color.b) % kCoarseColorStep == 0; };
+  return std::all_of(colors.begin(), colors.end(), in_steps) ? draco::DT_INT8 : draco::DT_UINT8;
+}
+
 template <class T>
 int add_attribute(draco::Mesh& mesh, draco::GeometryAttribute::Type kind, draco::DataType type,
                   const std::vector<T>& values) {
   static_assert(std::is_trivially_destructible_v<T>);
   draco::GeometryAttribute attribute;
-  attribute.Init(kind, nullptr, 3, type, type == draco::DT_UINT8, sizeof(T), 0);
+  attribute.Init(kind, nullptr, 3, type, sizeof(T) == sizeof(CodedColor), sizeof(T), 0);
   const int id = mesh.AddAttribute(attribute, true, static_cast<std::uint32_t>(values.size()));
   mesh.attribute(id)->buffer()->Write(0, values.data(), values.size() * sizeof(T));
   return id;
@@ -56,9 +63,11 @@ void fill(DracoMesh& target, const Submesh& submesh) {
   mesh.set_num_points(static_cast<std::uint32_t>(submesh.positions.size()));
   target.position_id = add_attribute(mesh, draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, submesh.positions);
   if (submesh.has_colors()) {
+    const auto type = color_type(submesh.colors);
     std::vector<CodedColor> coded(submesh.colors.size());
-    std::transform(submesh.colors.begin(), submesh.colors.end(), coded.begin(), to_coded);
-    target.color_id = add_attribute(mesh, draco::GeometryAttribute::COLOR, draco::DT_UINT8, coded);
+    std::transform(submesh.colors.begin(), submesh.colors.end(), coded.begin(),
+                   [=](const Rgb8& color) { return to_coded(color, color_step(type)); });
+    target.color_id = add_attribute(mesh, draco::GeometryAttribute::COLOR, type, coded);
   }
   mesh.SetNumFaces(submesh.triangles.size());
   for (std::uint32_t t = 0; t < submesh.triangles.size(); ++t) {
@@ -67,7 +76,7 @@ void fill(DracoMesh& target, const Submesh& submesh) {
   }
 }
 
-/// The lattice that Draco quantises on: the scene's, from the lower corner of the submesh.
+/// The lattice that Draco quantises on: the scene's, as coarse as the submesh allows, from its lower corner.
 struct Quantisation {
   Eigen::Vector3f origin;
   int bits = 1;
@@ -76,14 +85,15 @@ struct Quantisation {
 
 Result<Quantisation> quantisation_of(const Submesh& submesh) {
   const auto bounds = submesh.bounds();
-  const double steps = bounds.sizes().cast<double>().maxCoeff() / kLatticeSpacing_m;
+  const float spacing_m = kLatticeSpacing_m * static_cast<float>(coarsening_of(submesh));
+  const double width_m = bounds.sizes().cast<double>().maxCoeff();
   Quantisation chosen{bounds.min()};
-  while (chosen.bits <= kMaxBits && steps > (1 << chosen.bits) - 1) ++chosen.bits;
-  if (chosen.bits > kMaxBits) {
-    return fail(fmt::format("the submesh is {:.0f} m wide, and at most {:.0f} m can be encoded; split it",
-                            steps * kLatticeSpacing_m, ((1 << kMaxBits) - 1) * kLatticeSpacing_m));
+  while (chosen.bits <= kMaxBits && width_m / spacing_m > (1 << chosen.bits) - 1) ++chosen.bits;
+  if (chosen.bits > kMaxBits || width_m > kMaxWidth_m) {
+    return fail(fmt::format("the submesh is {:.0f} m wide, and at most {:.0f} m can be encoded; split it", width_m,
+                            kMaxWidth_m));
   }
-  chosen.range = kLatticeSpacing_m * static_cast<float>((1 << chosen.bits) - 1);
+  chosen.range = spacing_m * static_cast<float>((1 << chosen.bits) - 1);
   return chosen;
 }
 

@@ -7,8 +7,8 @@ namespace meshloop {
 namespace {
 
 // Adding zero makes -0 to 0: the two compare equal, but would give one shape two hashes.
-Eigen::Vector3f snapped(const Eigen::Vector3f& p) {
-  return ((p / kLatticeSpacing_m).array().round() * kLatticeSpacing_m + 0.0f).matrix();
+Eigen::Vector3f snapped(const Eigen::Vector3f& p, float spacing_m) {
+  return ((p / spacing_m).array().round() * spacing_m + 0.0f).matrix();
 }
 
 bool same_bits(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
@@ -24,16 +24,28 @@ bool has_area(const Submesh& submesh, const Triangle& triangle) {
   return !(q - p).cross(r - p).isZero(0);
 }
 
+bool is_on_lattice_of(const Submesh& submesh, int coarsening) {
+  const float spacing_m = kLatticeSpacing_m * static_cast<float>(coarsening);
+  return std::all_of(submesh.positions.begin(), submesh.positions.end(),
+                     [=](const Eigen::Vector3f& p) { return same_bits(snapped(p, spacing_m), p); });
+}
+
 }  // namespace
 
 bool is_on_lattice(const Submesh& submesh) {
-  return std::all_of(submesh.positions.begin(), submesh.positions.end(),
-                     [](const Eigen::Vector3f& p) { return same_bits(snapped(p), p); });
+  return is_on_lattice_of(submesh, 1);
 }
 
-Submesh snap_to_lattice(const Submesh& submesh) {
+int coarsening_of(const Submesh& submesh) {
+  int coarsening = 1;
+  while (coarsening < kMaxCoarsening && is_on_lattice_of(submesh, 2 * coarsening)) coarsening *= 2;
+  return coarsening;
+}
+
+Submesh snap_to_lattice(const Submesh& submesh, int coarsening) {
   Submesh moved = submesh;
-  for (auto& p : moved.positions) p = snapped(p);
+  const float spacing_m = kLatticeSpacing_m * static_cast<float>(coarsening);
+  for (auto& p : moved.positions) p = snapped(p, spacing_m);
   std::vector<bool> keep(moved.triangles.size());
   std::transform(moved.triangles.begin(), moved.triangles.end(), keep.begin(),
                  [&](const Triangle& triangle) { return has_area(moved, triangle); });

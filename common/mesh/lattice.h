@@ -9,11 +9,20 @@ namespace meshloop {
 /// of a Kinect's noise at its nearest range.
 inline constexpr float kLatticeSpacing_m = 1.0f / 4096;
 
+/// Every second, fourth or eighth point of each axis is a lattice too. A surface that was measured with more noise than
+/// the finest one has can lie on a coarser one, and is then sent with fewer bits.
+inline constexpr int kMaxCoarsening = 8;
+
 /// To the bit: -0 is not on the lattice.
 [[nodiscard]] bool is_on_lattice(const Submesh& submesh);
 
-/// Moves every position to the nearest lattice point. Triangles that thereby lose their area, and vertices that
-/// nothing uses any more, are dropped; vertices stay separate. May leave no triangles (the result is then not valid).
-[[nodiscard]] Submesh snap_to_lattice(const Submesh& submesh);
+/// The largest of 1, 2, 4 and 8 so that every position lies on the lattice coarsened by it. The submesh must be on the
+/// lattice.
+[[nodiscard]] int coarsening_of(const Submesh& submesh);
+
+/// Moves every position to the nearest point of the lattice coarsened by 1, 2, 4 or 8. Triangles that thereby lose
+/// their area, and vertices that nothing uses any more, are dropped; vertices stay separate. May leave no triangles
+/// (the result is then not valid).
+[[nodiscard]] Submesh snap_to_lattice(const Submesh& submesh, int coarsening = 1);
 
 }  // namespace meshloop

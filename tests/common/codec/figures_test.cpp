@@ -32,6 +32,11 @@ TEST(CodecFigures, DISABLED_DepthGrids) {
   auto plain = grid;
   plain.colors.clear();
   print_row("640x480, no colours", plain, 2);
+  auto snapshot = snap_to_lattice(grid, 4);
+  for (auto& color : snapshot.colors) {
+    for (auto* channel : {&color.r, &color.g, &color.b}) *channel = static_cast<std::uint8_t>(*channel & ~3u);
+  }
+  print_row("640x480, as a snapshot", snapshot, 2);
   print_row("120x90, 2 mm noise", test::depth_grid(120, 90), 2);
 }
 

@@ -30,6 +30,26 @@ TEST(MeshCodec, KeepsEveryTriangleOfADepthGridExactlyAtEverySpeed) {
   for (int speed = 0; speed <= 10; ++speed) expect_same_faces_after_round_trip(grid, speed);
 }
 
+TEST(MeshCodec, SendsCoarserPositionsAndColorsExactlyAndWithFewerBytes) {
+  const auto fine = depth_grid(80, 60);
+  auto coarse_colors = fine;
+  for (auto& color : coarse_colors.colors) {
+    for (auto* channel : {&color.r, &color.g, &color.b}) {
+      *channel = static_cast<std::uint8_t>(*channel / kCoarseColorStep * kCoarseColorStep);
+    }
+  }
+  const auto bytes_of = [](const Submesh& mesh) { return encode(mesh).value().size(); };
+  for (const int coarsening : {2, 4, 8}) {
+    expect_same_faces_after_round_trip(snap_to_lattice(fine, coarsening));
+    const auto coarse = snap_to_lattice(coarse_colors, coarsening);
+    expect_same_faces_after_round_trip(coarse);
+    EXPECT_LT(bytes_of(coarse), bytes_of(coarse_colors));
+  }
+  EXPECT_LT(bytes_of(coarse_colors), 0.85 * static_cast<double>(bytes_of(fine)));
+  coarse_colors.colors[7].g |= 1;  // one colour between the steps: all of them keep their lower bits
+  expect_same_faces_after_round_trip(coarse_colors);
+}
+
 TEST(MeshCodec, KeepsExactPositionsFarFromTheOrigin) {
   auto grid = depth_grid(30, 20);
   for (auto& p : grid.positions) p += Eigen::Vector3f(-731.25f, 1024, 3.5f);
@@ -155,12 +175,17 @@ TEST(MeshCodec, RefusesToEncodeInvalidMeshes) {
   EXPECT_FALSE(encode(not_finite));
 }
 
+void expect_reversible(const Rgb8& color, int step) {
+  ASSERT_EQ(from_coded(to_coded(color, step), step), color);
+}
+
 TEST(ColorTransform, IsReversibleForEveryColor) {
   for (int r = 0; r < 256; r += 3) {
     for (int g = 0; g < 256; ++g) {
       for (int b = 0; b < 256; b += 5) {
         const Rgb8 color{static_cast<std::uint8_t>(r), static_cast<std::uint8_t>(g), static_cast<std::uint8_t>(b)};
-        ASSERT_EQ(from_coded(to_coded(color)), color);
+        expect_reversible(color, 1);
+        if ((r | g | b) % kCoarseColorStep == 0) expect_reversible(color, kCoarseColorStep);
       }
     }
   }

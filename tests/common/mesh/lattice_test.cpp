@@ -24,6 +24,21 @@ TEST(Lattice, MovesNoPositionFartherThanHalfASpacingPerAxis) {
   }
 }
 
+TEST(Lattice, ACoarserLatticeIsPartOfTheFinestOne) {
+  const Submesh metres = triangle({0.1003f, 0.2f, -0.3f}, {1.1f, 0, 0}, {0, 5.5f, 0.7f});
+  for (const int coarsening : {1, 2, 4, 8}) {
+    const Submesh snapped = snap_to_lattice(metres, coarsening);
+    EXPECT_TRUE(is_on_lattice(snapped));
+    EXPECT_GE(coarsening_of(snapped), coarsening);
+    const float half_m = kLatticeSpacing_m * static_cast<float>(coarsening) / 2;
+    EXPECT_LE((snapped.positions[0] - metres.positions[0]).cwiseAbs().maxCoeff(), half_m);
+  }
+  const float d = kLatticeSpacing_m;
+  EXPECT_EQ(coarsening_of(triangle({0, 0, 0}, {3 * d, 0, 0}, {0, 4 * d, 0})), 1);
+  EXPECT_EQ(coarsening_of(triangle({0, 0, 0}, {-12 * d, 0, 0}, {0, 8 * d, 0})), 4);
+  EXPECT_EQ(coarsening_of(triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0})), kMaxCoarsening);
+}
+
 TEST(Lattice, SnappingTwiceChangesNothing) {
   const Submesh once = snap_to_lattice(triangle({0.1f, 0.2f, 0.3f}, {1.1f, 0, 0}, {0, 5.5f, 0}));
   EXPECT_EQ(content_hash(snap_to_lattice(once)), content_hash(once));

@@ -165,6 +165,24 @@ TEST(Insertion, SmoothingLeavesLessThanHalfTheNoiseOfAPlane) {
   EXPECT_LT(rms(true), 0.003);
 }
 
+TEST(Insertion, IsRoundedToAFifthOfTheNoiseAtMost) {
+  Box unknown_wall = kWall;
+  unknown_wall.node = 0;
+  const auto coarsening_with = [&](double sigma_m) {
+    WorldOptions options;
+    options.sensor = SensorModel{SensorModel::Kind::constant, sigma_m};
+    options.noise = 1;
+    const auto world = make_world({unknown_wall}, turned_pose(), options);
+    const auto patch = insertion_patch(world->snapshot(), 1, {});
+    return patch.triangles.empty() ? 0 : coarsening_of(patch);
+  };
+  // Sigmas of which the rounding of one, two and four steps is just below a fifth.
+  EXPECT_EQ(coarsening_with(0.0003), 1);
+  EXPECT_EQ(coarsening_with(0.00072), 2);
+  EXPECT_EQ(coarsening_with(0.0015), 4);
+  EXPECT_EQ(coarsening_with(0.01), 4);
+}
+
 TEST(Insertion, SmoothingKeepsCorners) {
   // A vertical edge towards the camera: two faces at 45 degrees, in a frame turned by 45 degrees.
   const Pose camera = look_at({-0.8, 0, -0.8}, {0, 0, 0}, {0, -1, 0});
