@@ -1,10 +1,10 @@
 #include "common/program/program.h"
 
-#include <malloc.h>
-
 #include <csignal>
 #include <exception>
 #include <iostream>
+
+#include "common/base/memory.h"
 
 namespace meshloop {
 namespace {
@@ -17,18 +17,6 @@ int report(const CLI::App& app, const Error& error) {
 int report_parse_error(CLI::App& app, const CLI::ParseError& error) {
   if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
   return report(app, Error{ErrorKind::usage, std::string(error.what()) + " (try --help)"});
-}
-
-/// Every frame takes and frees pictures of a few megabytes. Left to itself the C library gives the freed end of the
-/// heap back to the kernel, which clears its pages again for the next frame: a fifth of the handheld's time.
-void keep_memory_between_frames() {
-#ifdef __GLIBC__
-  // A picture of 1280x720 with 8 bytes a pixel; larger blocks are not kept.
-  constexpr int kLargestBlock_bytes = 8 << 20;
-  constexpr int kKept_bytes = 32 << 20;
-  mallopt(M_MMAP_THRESHOLD, kLargestBlock_bytes);
-  mallopt(M_TRIM_THRESHOLD, kKept_bytes);
-#endif
 }
 
 }  // namespace

@@ -6,10 +6,12 @@
 
 #include <map>
 #include <memory>
+#include <random>
 #include <thread>
 #include <tuple>
 #include <utility>
 
+#include "common/base/memory.h"
 #include "common/gpu/mesh_cache.h"
 #include "common/gpu/scene_renderer.h"
 #include "scenes.h"
@@ -62,7 +64,7 @@ World& world() {
   return the_world;
 }
 
-/// What the sensor sees: the model, and a box in front of it that the model does not have.
+/// What the sensor sees, with its noise: the model, and a box in front of it that the model does not have.
 DepthImage measured_by(const Camera& camera) {
   SceneView view;
   view.camera = camera;
@@ -71,6 +73,10 @@ DepthImage measured_by(const Camera& camera) {
   for (int v = camera.height / 4; v < camera.height / 2; ++v) {
     for (int u = camera.width / 4; u < camera.width / 2; ++u) depth(u, v) -= 0.2F;
   }
+  std::mt19937 random{1};
+  std::normal_distribution<double> normal;
+  const SensorModel sensor = CompareInput{}.sensor;
+  for (float& z : depth.pixels()) z += static_cast<float>(sensor.sigma_z_m(static_cast<double>(z), 0) * normal(random));
   return depth;
 }
 
@@ -184,6 +190,7 @@ void add_all() {
 }  // namespace meshloop
 
 int main(int argc, char** argv) {
+  meshloop::keep_memory_between_frames();  // as the programs do
   meshloop::add_all();
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();
