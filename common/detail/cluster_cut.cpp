@@ -38,6 +38,21 @@ class Planes {
   Eigen::Vector4f depth_;
 };
 
+/// Ranges that follow each other become one.
+void join_neighbours(std::vector<TriangleRange>& ranges) {
+  std::sort(ranges.begin(), ranges.end(),
+            [](const TriangleRange& a, const TriangleRange& b) { return a.first < b.first; });
+  std::size_t kept = 0;
+  for (const auto& range : ranges) {
+    if (kept > 0 && ranges[kept - 1].first + ranges[kept - 1].count == range.first) {
+      ranges[kept - 1].count += range.count;
+    } else {
+      ranges[kept++] = range;
+    }
+  }
+  ranges.resize(kept);
+}
+
 }  // namespace
 
 Tolerance::Tolerance(const std::function<double(double)>& largest_m) : steps_(kSteps) {
@@ -62,18 +77,24 @@ const std::vector<TriangleRange>& ClusterCut::choose(const ClusterHierarchy& hie
     const bool fits = group.error_m <= view.tolerance->at(planes.depth(group.bounds));
     is_fine_enough_[i] = fits && !view.tolerance->is_exact() ? 1 : 0;
   }
-  const auto fine_enough = [&](std::int32_t group) { return is_fine_enough_[static_cast<std::size_t>(group)] != 0; };
   ranges_.clear();
-  for (const auto& cluster : hierarchy.clusters) {
-    const bool is_too_coarse = cluster.made_by != Cluster::kNone && !fine_enough(cluster.made_by);
-    const bool is_too_fine = cluster.replaced_by != Cluster::kNone && fine_enough(cluster.replaced_by);
-    if (is_too_coarse || is_too_fine || planes.leave_out(cluster.bounds)) continue;
-    if (!ranges_.empty() && ranges_.back().first + ranges_.back().count == cluster.first_triangle) {
-      ranges_.back().count += cluster.triangle_count;
-    } else {
+  // Of a group that is too coarse the members are shown, unless they are too coarse as well.
+  const auto show = [&](std::uint32_t first, std::uint32_t count) {
+    for (std::uint32_t m = first; m < first + count; ++m) {
+      const Cluster& cluster = hierarchy.clusters[hierarchy.members[m]];
+      const bool is_too_coarse =
+          cluster.made_by != Cluster::kNone && is_fine_enough_[static_cast<std::size_t>(cluster.made_by)] == 0;
+      if (is_too_coarse || planes.leave_out(cluster.bounds)) continue;
       ranges_.push_back({cluster.first_triangle, cluster.triangle_count});
     }
+  };
+  for (std::size_t i = 0; i < hierarchy.groups.size(); ++i) {
+    const ClusterGroup& group = hierarchy.groups[i];
+    if (is_fine_enough_[i] != 0 || planes.leave_out(group.bounds)) continue;
+    show(group.first_member, group.member_count);
   }
+  show(hierarchy.first_unreplaced, static_cast<std::uint32_t>(hierarchy.members.size()) - hierarchy.first_unreplaced);
+  join_neighbours(ranges_);
   return ranges_;
 }
 

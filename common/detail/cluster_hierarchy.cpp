@@ -14,8 +14,9 @@
 namespace meshloop {
 namespace {
 
-constexpr std::size_t kTrianglesPerCluster = 128;
-constexpr std::size_t kVerticesPerCluster = 128;
+// Small groups follow the tolerance closely where depth changes, and cost little when few of them are looked at.
+constexpr std::size_t kTrianglesPerCluster = 64;
+constexpr std::size_t kVerticesPerCluster = 96;
 constexpr std::size_t kClustersPerGroup = 16;
 /// A group that keeps more of its triangles than this waits for other neighbours on the next level.
 constexpr double kWorthwhile = 0.85;
@@ -54,6 +55,8 @@ class Builder {
     add_finest();
     while (active_.size() > 1 && add_level()) {
     }
+    result_.first_unreplaced = static_cast<std::uint32_t>(result_.members.size());
+    for (const auto& cluster : active_) result_.members.push_back(cluster.index);
     order_vertices();
     return std::move(result_);
   }
@@ -125,7 +128,7 @@ class Builder {
     }
     const auto index = static_cast<std::int32_t>(result_.groups.size());
     result_.groups.push_back(group_over(members, simple.deviation_m));
-    for (const auto member : members) result_.clusters[active_[member].index].replaced_by = index;
+    for (const auto member : members) result_.members.push_back(active_[member].index);
     for (auto& triangle : simple.triangles) triangle = part.outside(triangle);
     for (auto& triangles : cut(cutter_.take(simple.triangles))) {
       WorkingCluster cluster;
@@ -148,6 +151,8 @@ class Builder {
       below_m = std::max(below_m, below.error_m);
     }
     group.error_m = below_m + deviation_m;
+    group.first_member = static_cast<std::uint32_t>(result_.members.size());
+    group.member_count = static_cast<std::uint32_t>(members.size());
     return group;
   }
 

@@ -17,6 +17,9 @@ struct ClusterGroup {
   /// No vertex of the original surface lies farther from the group's replacement; at least the errors of the groups
   /// that it goes back to.
   float error_m = 0;
+  /// The clusters that it replaces: positions in ClusterHierarchy::members.
+  std::uint32_t first_member = 0;
+  std::uint32_t member_count = 0;
 };
 
 /// Neighbouring triangles that are drawn or left out together.
@@ -27,8 +30,6 @@ struct Cluster {
   Eigen::AlignedBox3f bounds;
   /// The group whose replacement it is a part of; none: original triangles.
   std::int32_t made_by = kNone;
-  /// The group that replaces it where less detail does; none: nothing does.
-  std::int32_t replaced_by = kNone;
 
   static constexpr std::int32_t kNone = -1;
 };
@@ -45,6 +46,9 @@ struct ClusterHierarchy {
   /// In the order of their triangles: those of original triangles first.
   std::vector<Cluster> clusters;
   std::vector<ClusterGroup> groups;
+  /// Positions in `clusters`: each group's members one after the other, then those that nothing replaces.
+  std::vector<std::uint32_t> members;
+  std::uint32_t first_unreplaced = 0;
 };
 
 /// About 4 us a triangle on one core. The submesh must be valid.
