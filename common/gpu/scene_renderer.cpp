@@ -53,10 +53,15 @@ struct Targets {
   }
 };
 
+struct Programs {
+  Program with_color;
+  Program depth_alone;
+};
+
 class GlSceneRenderer final : public SceneRenderer {
  public:
-  GlSceneRenderer(GpuContext& context, Program program, ImplicitRenderer shapes, Targets targets)
-      : context_{context}, program_{std::move(program)}, shapes_{std::move(shapes)}, targets_{std::move(targets)} {}
+  GlSceneRenderer(GpuContext& context, Programs programs, ImplicitRenderer shapes, Targets targets)
+      : context_{context}, programs_{std::move(programs)}, shapes_{std::move(shapes)}, targets_{std::move(targets)} {}
   GlSceneRenderer(const GlSceneRenderer&) = delete;
   GlSceneRenderer& operator=(const GlSceneRenderer&) = delete;
   // The members are freed in the context that made them.
@@ -77,7 +82,7 @@ class GlSceneRenderer final : public SceneRenderer {
   void draw_nodes(const Model& model, const SceneView& view) const;
 
   GpuContext& context_;
-  Program program_;
+  Programs programs_;
   ImplicitRenderer shapes_;
   Targets targets_;
 };
@@ -136,7 +141,7 @@ void GlSceneRenderer::draw_nodes(const Model& model, const SceneView& view) cons
       clip_from_camera(view.camera, view.near_m, view.far_m) * view.T_camera_world.matrix();
   const Eigen::Matrix4d part_from_clip =
       view.area ? clip_of_part(*view.area, view.camera) : Eigen::Matrix4d::Identity();
-  program_.use();
+  (view.color ? programs_.with_color : programs_.depth_alone).use();
   glVertexAttrib4f(kColorAttribute, 0.5F, 0.5F, 0.5F, 0.5F);
   for (std::size_t i = 0; i < model.nodes.size(); ++i) {
     const Node& node = model.nodes[i];
@@ -188,15 +193,17 @@ ColorImage GlSceneRenderer::read_color(GreyImage* mask) {
 Result<std::unique_ptr<SceneRenderer>> SceneRenderer::create(GpuContext& context) {
   constexpr int kFirstSize = 16;
   context.make_current();
-  auto program = Program::create(shaders::scene_vert, shaders::scene_frag);
-  if (!program) return fail("preparing the scene renderer", program.error());
+  auto with_color = Program::create(shaders::scene_vert, shaders::scene_frag);
+  if (!with_color) return fail("preparing the scene renderer", with_color.error());
+  auto depth_alone = Program::create(shaders::scene_depth_vert, shaders::scene_depth_frag);
+  if (!depth_alone) return fail("preparing the scene renderer", depth_alone.error());
   auto shapes = ImplicitRenderer::create();
   if (!shapes) return fail("preparing the scene renderer", shapes.error());
   Targets targets(kFirstSize, kFirstSize);
   targets.bind(true, true);
   if (auto usable = check_framebuffer("float depth images"); !usable) return fail(usable.error());
-  return std::unique_ptr<SceneRenderer>{
-      std::make_unique<GlSceneRenderer>(context, std::move(*program), std::move(*shapes), std::move(targets))};
+  return std::unique_ptr<SceneRenderer>{std::make_unique<GlSceneRenderer>(
+      context, Programs{std::move(*with_color), std::move(*depth_alone)}, std::move(*shapes), std::move(targets))};
 }
 
 }  // namespace meshloop

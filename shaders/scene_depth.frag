@@ -1,0 +1,13 @@
+#version 310 es
+precision highp float;
+precision highp int;
+
+flat in uint node;
+
+layout(location = 0) out float out_depth_m;
+layout(location = 1) out uint out_node_index;
+
+void main() {
+  out_depth_m = 1.0 / gl_FragCoord.w;
+  out_node_index = node;
+}

@@ -1,0 +1,14 @@
+#version 310 es
+// The model as a pinhole camera sees it, without colours: a software renderer pays for each output at each triangle.
+layout(location = 0) in vec3 position;
+
+// From the node's frame to clip space; its fourth row gives metres along the optical axis.
+layout(location = 0) uniform highp mat4 clip_from_node;
+layout(location = 1) uniform highp uint node_index;
+
+flat out highp uint node;
+
+void main() {
+  gl_Position = clip_from_node * vec4(position, 1.0);
+  node = node_index;
+}
