@@ -4,33 +4,14 @@ const float kSensorLimit = 1.39626340160;      // 80 degrees: beyond, the sensor
 const float kCosSteepest = 0.03489949670;      // 88 degrees
 const float kGrazing = 1.04719755120;  // 60 degrees
 
-layout(binding = 0) uniform highp sampler2D measured_image;
-layout(binding = 1) uniform highp sampler2D expected_image;
-layout(binding = 2) uniform highp usampler2D frames_image;
+layout(r32f, binding = 0) readonly uniform highp image2D measured_image;
+layout(r32f, binding = 1) readonly uniform highp image2D expected_image;
+layout(r32f, binding = 2) readonly uniform highp image2D frames_image;  // of how many each pixel is the mean
 
-layout(location = 0) uniform vec4 intrinsics;  // fx, fy, cx, cy
-// SensorNoise: coefficients of the axial sigma by depth; range (2), grows at grazing views, step; lateral sigma, its
-// growth, its least.
-layout(location = 1) uniform vec3 sensor_axial;
-layout(location = 2) uniform vec4 sensor_shape;
-layout(location = 3) uniform vec3 sensor_lateral;
-layout(location = 4) uniform float fixed_threshold_m;  // 0: by sigma
-layout(location = 5) uniform float sigmas;
-layout(location = 6) uniform float model_variance_m2;
-layout(location = 7) uniform float largest_threshold_m;
-layout(location = 8) uniform int largest_reach_px;
-// Blocks of the pose covariance: translation, translation by rotation, rotation.
-layout(location = 9) uniform mat3 covariance_tt;
-layout(location = 10) uniform mat3 covariance_tr;
-layout(location = 11) uniform mat3 covariance_rr;
-layout(location = 12) uniform mat4 covariance_intrinsics;  // fx, fy, cx, cy
-layout(location = 13) uniform bool is_averaged;
+float fixed_threshold_m() { return threshold_by.x; }
+float sigmas() { return threshold_by.y; }
 
-float expected_at(ivec2 pixel) {
-  ivec2 size = textureSize(expected_image, 0);
-  if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, size))) return 0.0;
-  return texelFetch(expected_image, pixel, 0).r;
-}
+float expected_at(ivec2 pixel) { return imageLoad(expected_image, pixel).r; }
 
 // Change of inverse depth from one pixel to the next: the flatter side, so that a depth edge is not taken for a slope.
 float slope(ivec2 pixel, ivec2 one, float inverse_depth) {
@@ -54,7 +35,10 @@ vec3 plane_of(ivec2 pixel, vec3 ray, float expected_m) {
 // Variance of a . (v + w x p) for the pose's twist (v, w).
 float pose_variance(vec3 a, vec3 p) {
   vec3 b = cross(p, a);
-  return max(0.0, dot(a, covariance_tt * a) + 2.0 * dot(a, covariance_tr * b) + dot(b, covariance_rr * b));
+  vec3 of_w = covariance_v_wx * b.x + covariance_v_wy * b.y + covariance_v_wz * b.z;
+  float own = dot(variance_v, a * a) + dot(variance_w, b * b);
+  float crossed = dot(covariance_vv, a.yzx * a.zxy) + dot(covariance_ww, b.yzx * b.zxy) + dot(a, of_w);
+  return max(0.0, own + 2.0 * crossed);
 }
 
 // acos for 0 to 1 (Abramowitz and Stegun, 4.4.46; within 2e-8 rad): atan takes many times as long.
@@ -93,7 +77,8 @@ float lateral_sigma_px(float theta) {
 
 // Of J d for the error d of the intrinsics (fx, fy, cx, cy).
 float intrinsics_variance(vec4 J) {
-  return max(0.0, dot(J, covariance_intrinsics * J));
+  float crossed = dot(covariance_fx, J.x * J.yzw) + dot(covariance_fy, vec3(J.y * J.z, J.y * J.w, J.z * J.w));
+  return max(0.0, dot(variance_intrinsics, J * J) + 2.0 * crossed);
 }
 
 // How the pixel sees what is expected there; where nothing is, a plane across the ray through what was measured.
@@ -123,14 +108,15 @@ Sight sight_at(ivec2 pixel, float measured_m, float expected_m) {
 
 // kNoThreshold_m where nothing can be told.
 float threshold_at(ivec2 pixel, Sight sight, float measured_m, float expected_m) {
-  if (fixed_threshold_m > 0.0) return fixed_threshold_m;
-  float frames = is_averaged ? max(1.0, float(texelFetch(frames_image, pixel, 0).r)) : 1.0;
+  if (fixed_threshold_m() > 0.0) return fixed_threshold_m();
+  bool is_averaged = sensor_axial.w > 0.0;
+  float frames = is_averaged ? max(1.0, imageLoad(frames_image, pixel).r) : 1.0;
   float z2 = sight.z_m * sight.z_m;
   float lateral_m = lateral_sigma_px(sight.theta) * z2 * length(sight.inverse_depth_slope);
   vec2 by_centre = z2 * sight.plane.xy / intrinsics.xy;  // derivative of the expected depth by cx, cy
   float variance = sensor_variance(max(expected_m, measured_m), sight.theta, frames) + lateral_m * lateral_m +
                    z2 * pose_variance(sight.plane, sight.p) +
-                   intrinsics_variance(vec4(by_centre * sight.ray.xy, by_centre)) + model_variance_m2;
-  float threshold_m = sigmas * sqrt(variance);
-  return sight.is_seen && threshold_m <= largest_threshold_m ? threshold_m : kNoThreshold_m;
+                   intrinsics_variance(vec4(by_centre * sight.ray.xy, by_centre)) + threshold_by.z;
+  float threshold_m = sigmas() * sqrt(variance);
+  return sight.is_seen && threshold_m <= threshold_by.w ? threshold_m : kNoThreshold_m;
 }

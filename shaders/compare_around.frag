@@ -4,10 +4,12 @@ precision highp float;
 precision highp int;
 
 #include "common/change/classify_rule.h"
+#define PARAMETER flat in
+#include "shaders/compare_parameters.glsl"
 #include "shaders/compare.glsl"
 
-// Bits of the threshold, label.
-layout(location = 0) out uvec2 result;
+layout(location = 0) out float out_threshold_m;
+layout(location = 1) out uint out_label;
 
 // How far to each side, in pixels, a surface may lie that was measured here.
 int reach_at(Sight sight) {
@@ -20,8 +22,8 @@ int reach_at(Sight sight) {
   float footprint_px = max(lateral_sigma_px(sight.theta), sensor_lateral.z);
   float variance_px2 = footprint_px * footprint_px + max(pixel_variance.x, pixel_variance.y) +
                        max(calibration_variance.x, calibration_variance.y);
-  float reach_px = floor(sigmas * sqrt(variance_px2) + 0.5);
-  return min(int(min(reach_px, 1000.0)), largest_reach_px);
+  float reach_px = floor(sigmas() * sqrt(variance_px2) + 0.5);
+  return min(int(min(reach_px, 1000.0)), int(sensor_lateral.w));
 }
 
 // Whether the surface that is expected at the pixel itself is the one seen at a neighbour, where it has this inverse
@@ -34,12 +36,12 @@ uint label_at(ivec2 pixel, float measured_m, float expected_m, float threshold_m
   float nearest_m = expected_m;
   float farthest_m = expected_m;
   bool has_gap = !(expected_m > 0.0);
-  ivec2 last = textureSize(expected_image, 0) - 1;
+  ivec2 last = imageSize(expected_image) - 1;
   ivec2 from = max(pixel - reach_px, ivec2(0));
   ivec2 to = min(pixel + reach_px, last);
   for (int v = from.y; v <= to.y; ++v) {
     for (int u = from.x; u <= to.x; ++u) {
-      float z_m = texelFetch(expected_image, ivec2(u, v), 0).r;
+      float z_m = imageLoad(expected_image, ivec2(u, v)).r;
       if (!(z_m > 0.0)) {
         has_gap = true;
         continue;
@@ -55,10 +57,10 @@ uint label_at(ivec2 pixel, float measured_m, float expected_m, float threshold_m
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
-  float measured_m = texelFetch(measured_image, pixel, 0).r;
-  float expected_m = texelFetch(expected_image, pixel, 0).r;
+  float measured_m = imageLoad(measured_image, pixel).r;
+  float expected_m = imageLoad(expected_image, pixel).r;
   Sight sight = sight_at(pixel, measured_m, expected_m);
   float threshold_m = threshold_at(pixel, sight, measured_m, expected_m);
-  uint label = label_at(pixel, measured_m, expected_m, threshold_m, reach_at(sight), sight.inverse_depth_slope);
-  result = uvec2(floatBitsToUint(threshold_m), label);
+  out_threshold_m = threshold_m;
+  out_label = label_at(pixel, measured_m, expected_m, threshold_m, reach_at(sight), sight.inverse_depth_slope);
 }

@@ -62,18 +62,21 @@ bool offers(GLenum format, GLenum type) {
 }
 
 struct ReadFormat {
-  std::size_t channels;
   GLenum format;
   GLenum four_channels;
   GLenum type;
 };
 
-template <class T>
-void read_channels(const Framebuffer& framebuffer, GLenum attachment, int width, int height, const ReadFormat& format,
-                   T* pixels) {
+void bind_for_reading(const Framebuffer& framebuffer, GLenum attachment) {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer.name());
   glReadBuffer(attachment);
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+}
+
+template <class T>
+void read_channel(const Framebuffer& framebuffer, GLenum attachment, int width, int height, const ReadFormat& format,
+                  T* pixels) {
+  bind_for_reading(framebuffer, attachment);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   if (offers(format.format, format.type)) {
     glReadPixels(0, 0, width, height, format.format, format.type, pixels);
@@ -82,7 +85,7 @@ void read_channels(const Framebuffer& framebuffer, GLenum attachment, int width,
   const auto count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   std::vector<T> wide(4 * count);
   glReadPixels(0, 0, width, height, format.four_channels, format.type, wide.data());
-  for (std::size_t i = 0; i < count; ++i) std::copy_n(&wide[4 * i], format.channels, &pixels[format.channels * i]);
+  for (std::size_t i = 0; i < count; ++i) pixels[i] = wide[4 * i];
 }
 
 }  // namespace
@@ -156,15 +159,23 @@ Status check_framebuffer(std::string_view what) {
 }
 
 void read_floats(const Framebuffer& framebuffer, GLenum attachment, int width, int height, float* pixels) {
-  read_channels(framebuffer, attachment, width, height, {1, GL_RED, GL_RGBA, GL_FLOAT}, pixels);
+  read_channel(framebuffer, attachment, width, height, {GL_RED, GL_RGBA, GL_FLOAT}, pixels);
 }
 
 void read_unsigned(const Framebuffer& framebuffer, GLenum attachment, int width, int height, GLuint* pixels) {
-  read_channels(framebuffer, attachment, width, height, {1, GL_RED_INTEGER, GL_RGBA_INTEGER, GL_UNSIGNED_INT}, pixels);
+  read_channel(framebuffer, attachment, width, height, {GL_RED_INTEGER, GL_RGBA_INTEGER, GL_UNSIGNED_INT}, pixels);
 }
 
-void read_unsigned_pairs(const Framebuffer& framebuffer, GLenum attachment, int width, int height, GLuint* pixels) {
-  read_channels(framebuffer, attachment, width, height, {2, GL_RG_INTEGER, GL_RGBA_INTEGER, GL_UNSIGNED_INT}, pixels);
+void read_bytes(const Framebuffer& framebuffer, GLenum attachment, int width, int height, GLubyte* pixels) {
+  bind_for_reading(framebuffer, attachment);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  if (offers(GL_RED_INTEGER, GL_UNSIGNED_BYTE)) {
+    glReadPixels(0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_BYTE, pixels);
+    return;
+  }
+  std::vector<GLuint> wide(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  read_unsigned(framebuffer, attachment, width, height, wide.data());
+  std::transform(wide.begin(), wide.end(), pixels, [](GLuint value) { return static_cast<GLubyte>(value); });
 }
 
 }  // namespace meshloop

@@ -88,11 +88,11 @@ class Program {
 [[nodiscard]] Status check_framebuffer(std::string_view what);
 
 /// The pixels of one colour attachment of the framebuffer, as one channel each; the context's read framebuffer becomes
-/// `framebuffer`. For attachments of R32F, and of R32UI or R8UI. Waits for the drawing. `pixels` has width * height
+/// `framebuffer`. For attachments of R32F, and of R32UI. Waits for the drawing. `pixels` has width * height
 /// elements.
 void read_floats(const Framebuffer& framebuffer, GLenum attachment, int width, int height, float* pixels);
 void read_unsigned(const Framebuffer& framebuffer, GLenum attachment, int width, int height, GLuint* pixels);
-/// Two channels: `pixels` has two values for each pixel.
-void read_unsigned_pairs(const Framebuffer& framebuffer, GLenum attachment, int width, int height, GLuint* pixels);
+/// Of R8UI.
+void read_bytes(const Framebuffer& framebuffer, GLenum attachment, int width, int height, GLubyte* pixels);
 
 }  // namespace meshloop

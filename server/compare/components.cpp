@@ -36,6 +36,14 @@ class DisjointSets {
   std::vector<std::uint32_t> parents_;
 };
 
+std::vector<std::size_t> changed_pixels(const Image<Label>& labels) {
+  std::vector<std::size_t> pixels;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (is_change(labels.data()[i])) pixels.push_back(i);
+  }
+  return pixels;
+}
+
 // The set of pixel (u, v), joined with those of its kind in the part of its surroundings that has been visited.
 std::uint32_t set_of(const Image<Label>& labels, const Image<std::uint32_t>& sets, int u, int v, DisjointSets& joined) {
   const ChangeKind kind = kind_of(labels(u, v));
@@ -54,19 +62,23 @@ std::uint32_t set_of(const Image<Label>& labels, const Image<std::uint32_t>& set
 }  // namespace
 
 Components connect_changes(const Image<Label>& labels) {
-  Components result{Image<std::uint32_t>(labels.width(), labels.height()), 0};
+  Components result{Image<std::uint32_t>(labels.width(), labels.height()), 0, changed_pixels(labels)};
   DisjointSets joined;
   joined.add();  // 0 is no set
-  for (int v = 0; v < labels.height(); ++v) {
-    for (int u = 0; u < labels.width(); ++u) {
-      if (is_change(labels(u, v))) result.numbers(u, v) = set_of(labels, result.numbers, u, v, joined);
-    }
+  const auto width = static_cast<std::size_t>(labels.width());
+  for (const std::size_t pixel : result.pixels) {
+    const auto u = static_cast<int>(pixel % width);
+    const auto v = static_cast<int>(pixel / width);
+    result.numbers.data()[pixel] = set_of(labels, result.numbers, u, v, joined);
   }
   std::vector<std::uint32_t> number_of(joined.size(), 0);
   for (std::uint32_t set = 1; set < number_of.size(); ++set) {
     if (joined.find(set) == set) number_of[set] = ++result.count;
   }
-  for (auto& number : result.numbers.pixels()) number = number_of[joined.find(number)];
+  for (const std::size_t pixel : result.pixels) {
+    auto& number = result.numbers.data()[pixel];
+    number = number_of[joined.find(number)];
+  }
   return result;
 }
 

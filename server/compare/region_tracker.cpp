@@ -76,17 +76,16 @@ std::vector<Region> measure_components(const Components& components, const Compa
                                        double sigmas_per_threshold) {
   std::vector<Sums> sums(components.count);
   const Pose T_world_camera = T_camera_world.inverse();
-  for (int v = 0; v < measured.height(); ++v) {
-    for (int u = 0; u < measured.width(); ++u) {
-      const std::uint32_t number = components.numbers(u, v);
-      if (number == 0) continue;
-      const Label label = comparison.labels(u, v);
-      const float depth_m = label == Label::farther ? comparison.expected(u, v) : measured(u, v);
-      add_pixel(sums[number - 1],
-                {u, v, label, static_cast<double>(depth_m), static_cast<double>(comparison.difference_m(u, v)),
-                 static_cast<double>(comparison.threshold_m(u, v)) / sigmas_per_threshold},
-                camera, T_world_camera);
-    }
+  const auto width = static_cast<std::size_t>(measured.width());
+  for (const std::size_t pixel : components.pixels) {
+    const auto u = static_cast<int>(pixel % width);
+    const auto v = static_cast<int>(pixel / width);
+    const Label label = comparison.labels(u, v);
+    const float depth_m = label == Label::farther ? comparison.expected(u, v) : measured(u, v);
+    add_pixel(sums[components.numbers(u, v) - 1],
+              {u, v, label, static_cast<double>(depth_m), static_cast<double>(comparison.difference_m(u, v)),
+               static_cast<double>(comparison.threshold_m(u, v)) / sigmas_per_threshold},
+              camera, T_world_camera);
   }
   std::vector<Region> regions;
   for (auto& sum : sums) regions.push_back(finish(sum));
@@ -152,9 +151,9 @@ RegionMap RegionTracker::update(const Comparison& comparison, const DepthImage& 
   forget();
 
   RegionMap map{Image<RegionId>(measured.width(), measured.height()), {}};
-  for (std::size_t i = 0; i < map.ids.size(); ++i) {
-    const std::size_t position = kept_at[components.numbers.data()[i]];
-    if (position != 0) map.ids.data()[i] = kept[position - 1].id;
+  for (const std::size_t pixel : components.pixels) {
+    const std::size_t position = kept_at[components.numbers.data()[pixel]];
+    if (position != 0) map.ids.data()[pixel] = kept[position - 1].id;
   }
   map.regions = std::move(kept);
   std::sort(map.regions.begin(), map.regions.end(), [](const Region& a, const Region& b) { return a.id < b.id; });
