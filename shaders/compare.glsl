@@ -11,6 +11,7 @@ layout(r32f, binding = 2) readonly uniform highp image2D frames_image;  // of ho
 float fixed_threshold_m() { return threshold_by.x; }
 float sigmas() { return threshold_by.y; }
 
+// 0 outside the picture, as for any load that is not of a texel.
 float expected_at(ivec2 pixel) { return imageLoad(expected_image, pixel).r; }
 
 // Change of inverse depth from one pixel to the next: the flatter side, so that a depth edge is not taken for a slope.

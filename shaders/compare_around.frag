@@ -8,7 +8,6 @@ precision highp int;
 #include "shaders/compare_parameters.glsl"
 #include "shaders/compare.glsl"
 
-layout(location = 0) out float out_threshold_m;
 layout(location = 1) out uint out_label;
 
 // How far to each side, in pixels, a surface may lie that was measured here.
@@ -61,6 +60,5 @@ void main() {
   float expected_m = imageLoad(expected_image, pixel).r;
   Sight sight = sight_at(pixel, measured_m, expected_m);
   float threshold_m = threshold_at(pixel, sight, measured_m, expected_m);
-  out_threshold_m = threshold_m;
   out_label = label_at(pixel, measured_m, expected_m, threshold_m, reach_at(sight), sight.inverse_depth_slope);
 }

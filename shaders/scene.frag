@@ -2,6 +2,7 @@
 precision highp float;
 precision highp int;
 
+in highp float depth_m;
 flat in uint node;
 in mediump vec4 vertex_color;
 
@@ -10,7 +11,7 @@ layout(location = 1) out uint out_node_index;
 layout(location = 2) out mediump vec4 out_color;
 
 void main() {
-  out_depth_m = 1.0 / gl_FragCoord.w;
+  out_depth_m = depth_m;
   out_node_index = node;
   out_color = vertex_color;
 }

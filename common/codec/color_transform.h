@@ -8,12 +8,11 @@
 #include <cstdint>
 
 #include "common/image/image.h"
+#include "common/mesh/lattice.h"
 
 namespace meshloop {
 
 using CodedColor = std::array<std::uint8_t, 3>;
-
-inline constexpr int kCoarseColorStep = 4;
 
 /// The step between the colours of an attribute of this data type; 0 where a colour cannot have it.
 [[nodiscard]] constexpr int color_step(draco::DataType type) {

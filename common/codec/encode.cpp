@@ -46,7 +46,7 @@ int add_attribute(draco::Mesh& mesh, draco::GeometryAttribute::Type kind, draco:
                   const std::vector<T>& values) {
   static_assert(std::is_trivially_destructible_v<T>);
   draco::GeometryAttribute attribute;
-  attribute.Init(kind, nullptr, 3, type, sizeof(T) == sizeof(CodedColor), sizeof(T), 0);
+  attribute.Init(kind, nullptr, 3, type, kind == draco::GeometryAttribute::COLOR, sizeof(T), 0);
   const int id = mesh.AddAttribute(attribute, true, static_cast<std::uint32_t>(values.size()));
   mesh.attribute(id)->buffer()->Write(0, values.data(), values.size() * sizeof(T));
   return id;
@@ -89,7 +89,7 @@ Result<Quantisation> quantisation_of(const Submesh& submesh) {
   const double width_m = bounds.sizes().cast<double>().maxCoeff();
   Quantisation chosen{bounds.min()};
   while (chosen.bits <= kMaxBits && width_m / spacing_m > (1 << chosen.bits) - 1) ++chosen.bits;
-  if (chosen.bits > kMaxBits || width_m > kMaxWidth_m) {
+  if (width_m > kMaxWidth_m) {
     return fail(fmt::format("the submesh is {:.0f} m wide, and at most {:.0f} m can be encoded; split it", width_m,
                             kMaxWidth_m));
   }

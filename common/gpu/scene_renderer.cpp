@@ -55,7 +55,7 @@ struct Targets {
 
 struct Programs {
   Program with_color;
-  Program depth_alone;
+  Program geometry_alone;
 };
 
 class GlSceneRenderer final : public SceneRenderer {
@@ -141,7 +141,7 @@ void GlSceneRenderer::draw_nodes(const Model& model, const SceneView& view) cons
       clip_from_camera(view.camera, view.near_m, view.far_m) * view.T_camera_world.matrix();
   const Eigen::Matrix4d part_from_clip =
       view.area ? clip_of_part(*view.area, view.camera) : Eigen::Matrix4d::Identity();
-  (view.color ? programs_.with_color : programs_.depth_alone).use();
+  (view.color ? programs_.with_color : programs_.geometry_alone).use();
   glVertexAttrib4f(kColorAttribute, 0.5F, 0.5F, 0.5F, 0.5F);
   for (std::size_t i = 0; i < model.nodes.size(); ++i) {
     const Node& node = model.nodes[i];
@@ -195,15 +195,15 @@ Result<std::unique_ptr<SceneRenderer>> SceneRenderer::create(GpuContext& context
   context.make_current();
   auto with_color = Program::create(shaders::scene_vert, shaders::scene_frag);
   if (!with_color) return fail("preparing the scene renderer", with_color.error());
-  auto depth_alone = Program::create(shaders::scene_depth_vert, shaders::scene_depth_frag);
-  if (!depth_alone) return fail("preparing the scene renderer", depth_alone.error());
+  auto geometry_alone = Program::create(shaders::scene_geometry_vert, shaders::scene_geometry_frag);
+  if (!geometry_alone) return fail("preparing the scene renderer", geometry_alone.error());
   auto shapes = ImplicitRenderer::create();
   if (!shapes) return fail("preparing the scene renderer", shapes.error());
   Targets targets(kFirstSize, kFirstSize);
   targets.bind(true, true);
   if (auto usable = check_framebuffer("float depth images"); !usable) return fail(usable.error());
   return std::unique_ptr<SceneRenderer>{std::make_unique<GlSceneRenderer>(
-      context, Programs{std::move(*with_color), std::move(*depth_alone)}, std::move(*shapes), std::move(targets))};
+      context, Programs{std::move(*with_color), std::move(*geometry_alone)}, std::move(*shapes), std::move(targets))};
 }
 
 }  // namespace meshloop

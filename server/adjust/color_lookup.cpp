@@ -3,21 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/mesh/lattice.h"
 #include "server/adjust/depth_grid.h"
 
 namespace meshloop::adjust {
 namespace {
 
 constexpr float kNothing = 1e9f;
-// Grey levels between the colours of a patch. A camera's noise is 2 levels and more, so that finer colours would mostly
-// send noise: this saves a tenth of the bytes.
-constexpr float kColorStep = 4;
+// A camera's noise is 2 levels and more, so that finer colours would mostly send noise: this saves a tenth of the
+// bytes.
+constexpr float kColorStep = kCoarseColorStep;
+constexpr float kLargest = 256 - kColorStep;
 
 std::uint8_t mix(std::uint8_t a, std::uint8_t b, std::uint8_t c, std::uint8_t d, float fx, float fy) {
   const float top = static_cast<float>(a) + (static_cast<float>(b) - static_cast<float>(a)) * fx;
   const float bottom = static_cast<float>(c) + (static_cast<float>(d) - static_cast<float>(c)) * fx;
   const float value = std::floor((top + (bottom - top) * fy) / kColorStep + 0.5f) * kColorStep;
-  return static_cast<std::uint8_t>(std::min(value, 255.0f));
+  return static_cast<std::uint8_t>(std::min(value, kLargest));
 }
 
 }  // namespace

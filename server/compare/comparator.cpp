@@ -42,8 +42,13 @@ struct Targets {
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, threshold.name(), 0);
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT1, GL_TEXTURE_2D, label.name(), 0);
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, progress.name(), 0);
-    constexpr std::array<GLenum, 2> kBoth{GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
-    glDrawBuffers(static_cast<GLsizei>(kBoth.size()), kBoth.data());
+    draw_into(GL_COLOR_ATTACHMENT0);
+  }
+
+  /// Labels always; thresholds into `threshold_attachment`, or GL_NONE.
+  static void draw_into(GLenum threshold_attachment) {
+    const std::array<GLenum, 2> wanted{threshold_attachment, GL_COLOR_ATTACHMENT1};
+    glDrawBuffers(static_cast<GLsizei>(wanted.size()), wanted.data());
   }
 };
 
@@ -61,19 +66,16 @@ Tolerance tolerance_of(const CompareInput& input) {
   }};
 }
 
-void set_parameters(const CompareInput& input) {
-  constexpr GLint kParameters = 0;
-  const Parameters parameters = parameters_of(input);
-  glUniform4fv(kParameters, sizeof parameters / sizeof(Parameters::Vec4), reinterpret_cast<const float*>(&parameters));
+bool offers(GLenum limit, GLint needed) {
+  GLint offered = 0;
+  glGetIntegerv(limit, &offered);
+  return offered >= needed;
 }
 
-// OpenGL ES 3.1 lets a driver have none in fragment shaders.
+// OpenGL ES 3.1 promises no images in fragment shaders, and four together with the outputs.
 Status check_images() {
-  constexpr GLint kNeeded = 3;
-  GLint offered = 0;
-  glGetIntegerv(GL_MAX_FRAGMENT_IMAGE_UNIFORMS, &offered);
-  if (offered >= kNeeded) return {};
-  return fail("the graphics driver has no images in fragment shaders; update it, or set MESHLOOP_GPU=software",
+  if (offers(GL_MAX_FRAGMENT_IMAGE_UNIFORMS, 3) && offers(GL_MAX_COMBINED_SHADER_OUTPUT_RESOURCES, 5)) return {};
+  return fail("the graphics driver offers too few images in fragment shaders; update it, or set MESHLOOP_GPU=software",
               ErrorKind::hardware_missing);
 }
 
@@ -122,7 +124,7 @@ class GlComparator final : public Comparator {
  private:
   void upload(const DepthImage& measured, const Image<std::uint8_t>* frames_averaged);
   void draw(const CompareInput& input);
-  void draw_pass(const Program& program, const CompareInput& input) const;
+  void draw_pass(const Program& program, const Parameters& parameters) const;
   [[nodiscard]] Comparison read_back();
 
   GpuContext& context_;
@@ -155,16 +157,20 @@ void GlComparator::draw(const CompareInput& input) {
   // Read in any case, used only for a mean of frames; what is in the cache already costs less.
   bind_image(2, (input.frames_averaged != nullptr ? targets_.frames_averaged : targets_.measured).name());
   glBindVertexArray(no_vertices_.name());
+  const Parameters parameters = parameters_of(input);
+  Targets::draw_into(GL_COLOR_ATTACHMENT0);
   glDepthFunc(GL_ALWAYS);
-  draw_pass(programs_.every_pixel, input);
+  draw_pass(programs_.every_pixel, parameters);
+  Targets::draw_into(GL_NONE);
   glDepthFunc(GL_GREATER);
-  if (input.threshold.kind == Threshold::Kind::k_sigma) draw_pass(programs_.around, input);
+  if (input.threshold.kind == Threshold::Kind::k_sigma) draw_pass(programs_.around, parameters);
   glBindVertexArray(0);
 }
 
-void GlComparator::draw_pass(const Program& program, const CompareInput& input) const {
+void GlComparator::draw_pass(const Program& program, const Parameters& parameters) const {
+  constexpr GLint kParameters = 0;
   program.use();
-  set_parameters(input);
+  glUniform4fv(kParameters, sizeof parameters / sizeof(Parameters::Vec4), reinterpret_cast<const float*>(&parameters));
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 

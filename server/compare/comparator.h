@@ -28,7 +28,7 @@ struct CompareInput {
   const DepthImage* measured = nullptr;
   /// Of how many measurements each pixel of `measured` is the mean; null: of one. In the camera's size.
   const Image<std::uint8_t>* frames_averaged = nullptr;
-  /// How far the model may be from the real surface, one sigma, in metres; its lattice comes on top.
+  /// How far the model may be from the real surface, one sigma, in metres; its finest lattice comes on top.
   double model_sigma_m = 0;
   Threshold threshold;
   /// The drawn model may lie beside the true one by this share of the sensor's sigma at the depth, as root mean square

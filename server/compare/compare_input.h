@@ -4,7 +4,9 @@
 
 namespace meshloop {
 
-/// Rounding of the model's vertices to the scene's lattice (common/mesh/lattice.h), at most this far along an axis.
+/// Rounding of the model's vertices to the scene's finest lattice (common/mesh/lattice.h), at most this far along an
+/// axis. A snapshot's patch may lie on a coarser one; its measured noise is larger than that, and is not in here either
+/// (CompareInput::model_sigma_m is).
 inline constexpr double kLatticeSigma_m = 0.00012;
 /// A pixel measures over its whole area, as wide as one pixel: the least lateral sigma of any sensor.
 inline constexpr double kFootprintSigma_px = 0.288675;  // 1 / sqrt(12)

@@ -23,7 +23,8 @@ struct Parameters {
   Vec4 covariance_fx{};
   Vec4 covariance_fy{};
 };
-static_assert(sizeof(Parameters) == 15 * 4 * sizeof(float));
+// OpenGL ES 3.1 promises no more between vertex and fragment shader.
+static_assert(sizeof(Parameters) == 15 * sizeof(Parameters::Vec4));
 
 [[nodiscard]] Parameters parameters_of(const CompareInput& input);
 

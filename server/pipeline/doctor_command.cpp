@@ -5,6 +5,7 @@
 
 #include "common/gpu/context.h"
 #include "common/transport/scene_link.h"
+#include "server/compare/comparator.h"
 #include "server/pipeline/commands.h"
 
 namespace meshloop {
@@ -22,7 +23,10 @@ void say(const char* what, const Status& status, const std::string& when_good) {
 
 Status check_gpu() {
   const auto gpu = GpuContext::create_headless();
-  const Status status = gpu ? Status{} : Status{fail(gpu.error())};
+  Status status = gpu ? Status{} : Status{fail(gpu.error())};
+  if (gpu) {
+    if (const auto comparator = Comparator::create(**gpu); !comparator) status = fail(comparator.error());
+  }
   say("graphics", status, gpu ? (*gpu)->description() : "");
   return status;
 }

@@ -183,6 +183,30 @@ TEST(Insertion, IsRoundedToAFifthOfTheNoiseAtMost) {
   EXPECT_EQ(coarsening_with(0.01), 4);
 }
 
+TEST(Insertion, IsNotRoundedToTheWidthOfItsPixels) {
+  Box unknown_wall = kWall;
+  unknown_wall.node = 0;
+  WorldOptions options;  // two metres away: 0.7 mm a pixel
+  options.depth = Camera{320, 240, 2900, 2900, 159.5, 119.5, {}};
+  options.sensor = SensorModel{SensorModel::Kind::constant, 0.005};
+  const auto world = make_world({unknown_wall}, Pose::Identity(), options);
+  const auto patch = insertion_patch(world->snapshot(), 1, {});
+  EXPECT_EQ(coarsening_of(patch), 2);
+  EXPECT_EQ(patch.triangles.size(), 2U * 319U * 239U);
+}
+
+TEST(Insertion, KeepsToTheStepsOfColorsOnWhite) {
+  WorldOptions options;
+  options.paint = [](const Eigen::Vector3d&) { return Rgb8{255, 254, 3}; };
+  const auto world = make_world({kWall, kObject}, turned_pose(), options);
+  const auto patch = insertion_patch(world->snapshot(), world->region(ChangeKind::insertion).id, {});
+  ASSERT_FALSE(patch.colors.empty());
+  for (const auto& color : patch.colors) {
+    EXPECT_EQ((color.r | color.g | color.b) % kCoarseColorStep, 0);
+    EXPECT_EQ(color.r, 252);
+  }
+}
+
 TEST(Insertion, SmoothingKeepsCorners) {
   // A vertical edge towards the camera: two faces at 45 degrees, in a frame turned by 45 degrees.
   const Pose camera = look_at({-0.8, 0, -0.8}, {0, 0, 0}, {0, -1, 0});

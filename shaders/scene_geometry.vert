@@ -6,9 +6,11 @@ layout(location = 0) in vec3 position;
 layout(location = 0) uniform highp mat4 clip_from_node;
 layout(location = 1) uniform highp uint node_index;
 
+out highp float depth_m;
 flat out highp uint node;
 
 void main() {
   gl_Position = clip_from_node * vec4(position, 1.0);
+  depth_m = gl_Position.w;
   node = node_index;
 }
