@@ -27,10 +27,18 @@ class RigTracker {
   virtual TrackedPose track(const RgbdFrame& frame) = 0;
 };
 
-/// T_depth_world at the depth image's time from the colour poses before and after it (common/geometry/README.md, "From
-/// a depth pixel", with interpolation on SE(3)). Covariance is carried over to the depth camera's frame. Lost when both
-/// are lost.
-[[nodiscard]] TrackedPose depth_pose_at(const Rig& rig, const TrackedPose& color_before, const TrackedPose& color_after,
-                                        double depth_timestamp_s);
+/// T_color_world at colour images that follow one another. Depth is measured between or beside the last two.
+struct ColorPoses {
+  /// The one before `before`; lost when there was none.
+  TrackedPose earlier;
+  TrackedPose before;
+  TrackedPose after;
+};
+
+/// T_depth_world at the depth image's time (common/geometry/README.md, "From a depth pixel"): on the curve of constant
+/// acceleration through the colour poses, or of constant velocity where `earlier` cannot help. The covariance, in the
+/// depth camera's frame, knows those of the poses and of the calibration, and how much the motion may have changed in
+/// between (README.md, "Between two colour images"). Lost when `before` and `after` both are.
+[[nodiscard]] TrackedPose depth_pose_at(const Rig& rig, const ColorPoses& color, double depth_timestamp_s);
 
 }  // namespace meshloop
