@@ -49,6 +49,12 @@ class BoundedQueue {
     return take(lock);
   }
 
+  /// Whether `pop` would have to wait now.
+  [[nodiscard]] bool would_wait() const {
+    const std::scoped_lock lock{mutex_};
+    return !closed_ && elements_.empty();
+  }
+
   /// Ends all waiting. What is in the queue can still be popped.
   void close() {
     const std::scoped_lock lock{mutex_};

@@ -67,7 +67,7 @@ std::optional<Result<ReadParts>> ChildResult::read() const {
   if (::fstat(memory_.get(), &info) != 0 || info.st_size <= 0) return std::nullopt;
   const auto size = static_cast<std::size_t>(info.st_size);
   void* const start = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, memory_.get(), 0);
-  if (start == MAP_FAILED) return std::nullopt;
+  if (start == MAP_FAILED) return fail("there is not enough memory for what it holds");
   auto result = result_of({static_cast<const std::byte*>(start), size});
   ::munmap(start, size);
   return result;

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
+#include "common/base/file.h"
 #include "common/interchange/file_ending.h"
 #include "common/interchange/model_file.h"
-#include "common/interchange/replace_file.h"
 #include "common/interchange/writers.h"
 
 namespace meshloop {

@@ -20,6 +20,17 @@ TEST(BoundedQueue, DropsTheOldestWhenLiveVideoIsTooFast) {
   EXPECT_EQ(queue.try_pop(), std::nullopt);
 }
 
+TEST(BoundedQueue, TellsWhetherPopWouldWait) {
+  BoundedQueue<int> queue{2, WhenFull::wait};
+  EXPECT_TRUE(queue.would_wait());
+  queue.push(1);
+  EXPECT_FALSE(queue.would_wait());
+  EXPECT_EQ(queue.pop(), 1);
+  EXPECT_TRUE(queue.would_wait());
+  queue.close();
+  EXPECT_FALSE(queue.would_wait());
+}
+
 TEST(BoundedQueue, KeepsOrderAndLosesNothingWhenItWaits) {
   constexpr int kCount = 2000;
   BoundedQueue<int> queue{3, WhenFull::wait};

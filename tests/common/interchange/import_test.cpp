@@ -1,4 +1,10 @@
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <csignal>
+#include <functional>
+#include <new>
 #include <numeric>
 
 #include "common/interchange/isolated_import.h"
@@ -9,6 +15,7 @@
 #include "common/interchange/writers.h"
 #include "common/mesh/lattice.h"
 #include "files.h"
+#include "sanitized.h"
 
 namespace meshloop {
 namespace {
@@ -127,6 +134,33 @@ TEST_F(Import, ACrashOfTheReaderIsAnError) {
   const auto parts = run_isolated("x.ply", {.max_seconds = 5}, crash);
   ASSERT_FALSE(parts);
   EXPECT_EQ(parts.error().message, "'x.ply' could not be read: the importer crashed; the file is probably damaged");
+}
+
+TEST_F(Import, TooLittleMemoryIsSaidToBeThat) {
+  const auto message = [](const std::function<Result<ReadParts>(const Progress&)>& reader) {
+    return run_isolated("x.ply", {.max_seconds = 5}, reader).error().message;
+  };
+  const std::string expected = "'x.ply' could not be read: it needs more than 4 GiB of memory";
+  EXPECT_EQ(message([](const Progress&) -> Result<ReadParts> { throw std::bad_alloc{}; }), expected);
+  EXPECT_EQ(message([](const Progress&) -> Result<ReadParts> { return fail("std::bad_alloc"); }), expected);
+}
+
+TEST_F(Import, ACrashUnderALimitOfMemoryDoesNotAccuseTheFileAlone) {
+  if (test::kSanitized) GTEST_SKIP() << "sanitizers reserve more addresses than any limit allows";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const rlimit limit{rlim_t{3} << 30, rlim_t{3} << 30};
+    ::setrlimit(RLIMIT_AS, &limit);
+    const auto crash = [](const Progress&) -> Result<ReadParts> {
+      std::raise(SIGSEGV);
+      return fail("never");
+    };
+    const auto parts = run_isolated("x.ply", {.max_seconds = 5}, crash);
+    ::_exit(!parts && parts.error().message.find("3072 MiB of memory") != std::string::npos ? 0 : 1);
+  }
+  int status = -1;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
 }
 
 TEST_F(Import, AnEndlessReaderIsStopped) {
