@@ -15,8 +15,8 @@ namespace meshloop {
 namespace {
 
 // Small groups follow the tolerance closely where depth changes, and cost little when few of them are looked at.
-constexpr std::size_t kTrianglesPerCluster = 64;
-constexpr std::size_t kVerticesPerCluster = 96;
+constexpr std::size_t kTrianglesPerCluster = 32;
+constexpr std::size_t kVerticesPerCluster = 64;
 constexpr std::size_t kClustersPerGroup = 16;
 /// A group that keeps more of its triangles than this waits for other neighbours on the next level.
 constexpr double kWorthwhile = 0.85;

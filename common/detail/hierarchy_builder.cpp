@@ -20,8 +20,8 @@ std::unique_ptr<ClusterHierarchy> built(const Submesh& submesh) {
 
 }  // namespace
 
-HierarchyBuilder::HierarchyBuilder(unsigned threads) {
-  for (unsigned i = 0; i < std::max(1U, threads); ++i) threads_.emplace_back([this] { work(); });
+HierarchyBuilder::HierarchyBuilder(unsigned threads, Priority priority) {
+  for (unsigned i = 0; i < std::max(1U, threads); ++i) threads_.emplace_back([=, this] { work(priority); });
 }
 
 HierarchyBuilder::~HierarchyBuilder() {
@@ -54,10 +54,10 @@ bool HierarchyBuilder::wait_for_next() {
   return !ready_.empty();
 }
 
-void HierarchyBuilder::work() {
+void HierarchyBuilder::work(Priority priority) {
   constexpr int kYielding = 10;
   // Linux: of this thread alone; the system holds it to 19.
-  setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + kYielding);
+  if (priority == Priority::yielding) setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + kYielding);
   std::unique_lock lock{mutex_};
   for (;;) {
     changed_.wait(lock, [&] { return ending_ || !asked_.empty(); });

@@ -12,12 +12,13 @@
 
 namespace meshloop {
 
-/// Threads that turn submeshes into hierarchies, in the order of asking. Frames never wait for it. All functions from
-/// any thread.
+/// Threads that turn submeshes into hierarchies, in the order of asking. All functions from any thread.
 class HierarchyBuilder {
  public:
-  /// At least one thread; each yields to the frames of a live program.
-  explicit HierarchyBuilder(unsigned threads);
+  /// Whether the threads yield to everything else on the machine, for live programs whose frames do not wait for them.
+  enum class Priority { yielding, normal };
+  /// At least one thread.
+  HierarchyBuilder(unsigned threads, Priority priority);
   /// Work that was not begun is given up.
   ~HierarchyBuilder();
   HierarchyBuilder(const HierarchyBuilder&) = delete;
@@ -35,7 +36,7 @@ class HierarchyBuilder {
   [[nodiscard]] bool wait_for_next();
 
  private:
-  void work();
+  void work(Priority priority);
 
   std::mutex mutex_;
   std::condition_variable changed_;

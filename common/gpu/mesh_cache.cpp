@@ -65,8 +65,9 @@ void MeshCache::Entry::refine(std::unique_ptr<ClusterHierarchy> built) {
   upload_vertices(&built->vertex_order);
   upload(GL_ELEMENT_ARRAY_BUFFER, indices, built->triangles);
   glBindVertexArray(0);
-  built->triangles = {};
-  built->vertex_order = {};
+  // An empty list in braces would leave the memory with them.
+  built->triangles = std::vector<Triangle>{};
+  built->vertex_order = std::vector<std::uint32_t>{};
   hierarchy = std::move(built);
   mesh.hierarchy = hierarchy.get();
 }
@@ -75,12 +76,16 @@ MeshCache::MeshCache() = default;
 MeshCache::~MeshCache() = default;
 
 void MeshCache::update(const Model& model, bool with_detail) {
+  update(model, with_detail, HierarchyBuilder::Priority::yielding);
+}
+
+void MeshCache::update(const Model& model, bool with_detail, HierarchyBuilder::Priority priority) {
   for (const auto& node : model.nodes) {
     if (node.submesh == nullptr) continue;
     Entry& entry = entries_.try_emplace(node.submesh.get(), node.submesh).first->second;
     if (!with_detail || entry.is_asked || node.submesh->triangles.size() < kWorthAHierarchy) continue;
     entry.is_asked = true;
-    if (!builder_) builder_ = std::make_unique<HierarchyBuilder>(std::thread::hardware_concurrency());
+    if (!builder_) builder_ = std::make_unique<HierarchyBuilder>(std::thread::hardware_concurrency(), priority);
     builder_->ask(node.submesh);
   }
   refine_ready(kRefining_ms);
@@ -88,7 +93,8 @@ void MeshCache::update(const Model& model, bool with_detail) {
 }
 
 void MeshCache::finish(const Model& model) {
-  update(model, true);
+  // Somebody waits: threads that yield would wait for every other program on the machine.
+  update(model, true, HierarchyBuilder::Priority::normal);
   if (!builder_) return;
   while (builder_->wait_for_next()) refine_ready(std::numeric_limits<double>::infinity());
 }

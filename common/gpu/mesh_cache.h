@@ -64,6 +64,7 @@ class MeshCache {
     Buffer indices;
     GpuMesh mesh;
   };
+  void update(const Model& model, bool with_detail, HierarchyBuilder::Priority priority);
   /// Uploads hierarchies that are ready until `milliseconds` are over.
   void refine_ready(double milliseconds);
 

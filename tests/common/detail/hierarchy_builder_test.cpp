@@ -14,7 +14,7 @@ std::vector<HierarchyBuilder::Built> all_of(HierarchyBuilder& builder) {
 }
 
 TEST(HierarchyBuilder, HandsOverEachOnceInTheOrderOfAsking) {
-  HierarchyBuilder builder{1};
+  HierarchyBuilder builder{1, HierarchyBuilder::Priority::yielding};
   EXPECT_EQ(builder.take().hierarchy, nullptr);
   const auto small = std::make_shared<const Submesh>(test::ball(20));
   const auto large = std::make_shared<const Submesh>(test::hills(60));
@@ -28,7 +28,7 @@ TEST(HierarchyBuilder, HandsOverEachOnceInTheOrderOfAsking) {
 }
 
 TEST(HierarchyBuilder, SeveralThreadsBuildTheSame) {
-  HierarchyBuilder builder{3};
+  HierarchyBuilder builder{3, HierarchyBuilder::Priority::normal};
   std::vector<std::shared_ptr<const Submesh>> submeshes;
   for (std::uint32_t i = 0; i < 6; ++i) {
     submeshes.push_back(std::make_shared<const Submesh>(test::ball(12 + i)));
@@ -42,7 +42,7 @@ TEST(HierarchyBuilder, SeveralThreadsBuildTheSame) {
 }
 
 TEST(HierarchyBuilder, PassesOverWhatNobodyHoldsAnyMore) {
-  HierarchyBuilder builder{1};
+  HierarchyBuilder builder{1, HierarchyBuilder::Priority::normal};
   const auto first = std::make_shared<const Submesh>(test::hills(60));
   builder.ask(first);
   builder.ask(std::make_shared<const Submesh>(test::ball(20)));
@@ -54,7 +54,7 @@ TEST(HierarchyBuilder, PassesOverWhatNobodyHoldsAnyMore) {
 // That it ends at all, and soon, is what is tested.
 TEST(HierarchyBuilder, EndsWithWorkLeft) {
   const auto submesh = std::make_shared<const Submesh>(test::hills(50));
-  HierarchyBuilder builder{2};
+  HierarchyBuilder builder{2, HierarchyBuilder::Priority::normal};
   for (int i = 0; i < 30; ++i) builder.ask(submesh);
 }
 
