@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cstdint>
 #include <set>
 #include <sstream>
 
@@ -43,6 +44,16 @@ CLI::Validator between(double smallest, double largest) {
     return fmt::format("{} is not between {} and {}", text, smallest, largest);
   };
   return {check, fmt::format("FLOAT in [{} - {}]", smallest, largest)};
+}
+
+CLI::Validator counter() {
+  const auto check = [](const std::string& text) -> std::string {
+    std::int64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool whole = error == std::errc{} && end == text.data() + text.size();
+    return whole && value >= 0 ? std::string{} : fmt::format("{} is not a whole number from 0 on", text);
+  };
+  return {check, "UINT"};
 }
 
 KindAndRest split_kind(const std::string& text) {

@@ -15,6 +15,9 @@ namespace meshloop {
 /// For numbers on the command line; unlike CLI::Range it refuses NaN too.
 [[nodiscard]] CLI::Validator between(double smallest, double largest);
 
+/// For counters on the command line, in decimal digits; CLI11 would take -1 for the largest one.
+[[nodiscard]] CLI::Validator counter();
+
 /// `KIND` or `KIND:REST` split at the first colon.
 struct KindAndRest {
   std::string kind;

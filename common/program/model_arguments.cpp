@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -36,6 +38,14 @@ const char* source_name(LengthUnit::Source source) {
   return "given";
 }
 
+// Three digits that say something, down to a micrometre; metres have two after the point.
+std::string length_text(float metres) {
+  constexpr int kMicrometres = 6;
+  if (!(metres >= 5e-7F)) return "0.00";
+  const int digits = std::clamp(2 - static_cast<int>(std::floor(std::log10(metres))), 2, kMicrometres);
+  return fmt::format("{:.{}f}", metres, digits);
+}
+
 }  // namespace
 
 void ModelArguments::add_to(CLI::App& command, const std::string& option) {
@@ -66,8 +76,8 @@ Result<ImportedModel> ModelArguments::import() const {
 
 std::string import_text(const std::string& file, const ImportedModel& imported) {
   const auto& size = imported.size_m;
-  auto text = fmt::format("{}: {:.2f} x {:.2f} x {:.2f} m; {}", name_of(file), size.x(), size.y(), size.z(),
-                          to_text(imported.unit));
+  auto text = fmt::format("{}: {} x {} x {} m; {}", name_of(file), length_text(size.x()), length_text(size.y()),
+                          length_text(size.z()), to_text(imported.unit));
   if (imported.stand_in_error_m > 0) {
     text += fmt::format("; where shapes are kept or sent as triangles these are off by up to {:.1f} mm",
                         1000 * imported.stand_in_error_m);

@@ -15,7 +15,7 @@ using Action = std::function<Status()>;
 void prepare(CLI::App& app);
 
 /// Parses, runs the action and reports: exit code 0 done, 1 failed, 2 wrong usage, 3 hardware missing. An error is one
-/// line on stderr. No exception leaves this function.
+/// line on stderr. An option with an empty value is wrong usage. No exception leaves this function.
 [[nodiscard]] int run_program(CLI::App& app, int argc, char** argv, const Action& action);
 
 }  // namespace meshloop

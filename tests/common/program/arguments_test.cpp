@@ -29,6 +29,13 @@ TEST(Between, TakesTheBoundsAndRefusesAllElse) {
   for (const char* text : {"0.4", "2.1", "-1", "nan", "inf", "a", ""}) EXPECT_NE(check(text), "") << text;
 }
 
+TEST(Counter, TakesWholeNumbersFromZeroOn) {
+  const auto check = counter();
+  for (const char* text : {"0", "7", "9223372036854775807"}) EXPECT_EQ(check(text), "") << text;
+  EXPECT_EQ(check("-1"), "-1 is not a whole number from 0 on");
+  for (const char* text : {"1.5", "0x1", "1e3", "9223372036854775808", "a", ""}) EXPECT_NE(check(text), "") << text;
+}
+
 TEST(SplitKind, SplitsAtTheFirstColon) {
   EXPECT_EQ(split_kind("recording:/a:b").kind, "recording");
   EXPECT_EQ(split_kind("recording:/a:b").rest, "/a:b");
@@ -48,7 +55,10 @@ TEST(JsonOutput, ReplacesBytesThatAreNoUtf8) {
 int run(std::vector<std::string> words, const Action& action) {
   CLI::App app{"", "test"};
   prepare(app);
-  app.add_subcommand("go");
+  CLI::App* go = app.add_subcommand("go");
+  std::string text;
+  go->add_option("--text", text);
+  go->add_option("file", text);
   std::vector<char*> arguments;
   for (auto& word : words) arguments.push_back(word.data());
   return run_program(app, static_cast<int>(arguments.size()), arguments.data(), action);
@@ -60,6 +70,27 @@ TEST(RunProgram, ExitCodesFollowTheKindOfError) {
   EXPECT_EQ(run({"test", "go"}, [] { return Status{fail("x", ErrorKind::usage)}; }), 2);
   EXPECT_EQ(run({"test", "go"}, [] { return Status{fail("x", ErrorKind::hardware_missing)}; }), 3);
   EXPECT_EQ(run({"test", "go"}, []() -> Status { throw std::runtime_error("x"); }), 1);
+}
+
+TEST(RunProgram, RefusesEmptyValuesByTheOptionsName) {
+  const Action nothing = [] { return Status{}; };
+  EXPECT_EQ(run({"test", "go", "--text", "a", "b"}, nothing), 0);
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"test", "go", "--text", ""},
+                                                {"test", "go", "--text="},
+                                                {"test", "go", "--text=", "b"}}) {
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(run(words, nothing), 2);
+    EXPECT_THAT(testing::internal::GetCapturedStderr(), testing::HasSubstr("--text is given an empty value"));
+  }
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run({"test", "go", ""}, nothing), 2);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), testing::HasSubstr("file is given an empty value"));
+}
+
+TEST(RunProgram, NamesASubcommandThatItDoesNotKnow) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run({"test", "went", "--text", "a"}, [] { return Status{}; }), 2);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "test: 'went' is no subcommand of test; there are go\n");
 }
 
 TEST(RunProgram, WrongUsageIsTwoAndHelpIsNoError) {

@@ -1,5 +1,6 @@
 #include "common/program/model_arguments.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -50,6 +51,14 @@ TEST_F(ModelArgumentsTest, SaysWhatWasAssumed) {
   const auto json = import_json(*imported);
   EXPECT_EQ(json["unit"], "assumed");
   EXPECT_EQ(json["unit_m"], 1.0);
+}
+
+TEST_F(ModelArgumentsTest, SaysSmallSizesWithThreeDigits) {
+  ImportedModel model;
+  model.size_m = {12.3456F, 0.054321F, 0.000123456F};
+  EXPECT_THAT(import_text("a.ply", model), testing::StartsWith("a.ply: 12.35 x 0.0543 x 0.000123 m;"));
+  model.size_m = {0.5F, 1e-9F, 0};
+  EXPECT_THAT(import_text("a.ply", model), testing::StartsWith("a.ply: 0.500 x 0.00 x 0.00 m;"));
 }
 
 TEST_F(ModelArgumentsTest, RefusesUnitsThatAreNoneAndBothAtOnce) {
