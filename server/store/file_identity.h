@@ -1,5 +1,5 @@
 #pragma once
-#include <sys/types.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <utility>
@@ -14,13 +14,13 @@ class FileIdentity {
   [[nodiscard]] static Result<FileIdentity> of(const std::filesystem::path& file);
   /// An error when the name leads to another file by now, or to none.
   [[nodiscard]] Status check() const;
+  /// An error when the file was written to since, too.
+  [[nodiscard]] Status check_content() const;
 
  private:
-  FileIdentity(std::filesystem::path file, dev_t device, ino_t number)
-      : file_{std::move(file)}, device_{device}, number_{number} {}
+  FileIdentity(std::filesystem::path file, const struct stat& about) : file_{std::move(file)}, about_{about} {}
   std::filesystem::path file_;
-  dev_t device_;
-  ino_t number_;
+  struct stat about_;
 };
 
 }  // namespace meshloop

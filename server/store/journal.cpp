@@ -52,6 +52,7 @@ RevisionInfo info_of(const Statement& row) {
   info.parent = static_cast<Revision>(row.integer(1));
   info.accepted_ns = row.integer(2);
   info.author = row.text(3);
+  if (info.author.empty()) info.author = "operator";  // as undo wrote it once
   info.summary = row.text(4);
   info.triangles_added = static_cast<std::size_t>(row.integer(5));
   info.triangles_removed = static_cast<std::size_t>(row.integer(6));

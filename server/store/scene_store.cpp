@@ -25,6 +25,7 @@ constexpr NodeId kLargestId = static_cast<NodeId>(std::numeric_limits<std::int64
 /// The journal's triangles of a revision that shows no change of its own count both ways.
 RevisionInfo info_of_return(const RevisionInfo& change, bool undone) {
   RevisionInfo info;
+  info.author = "operator";  // no part of the programs does it by itself
   info.summary = fmt::format("{} of revision {}", undone ? "undo" : "redo", change.revision);
   info.triangles_added = undone ? change.triangles_removed : change.triangles_added;
   info.triangles_removed = undone ? change.triangles_added : change.triangles_removed;
@@ -72,6 +73,10 @@ class SqliteSceneStore final : public SceneStore {
                                                      Syncing syncing);
   Result<std::shared_ptr<const Model>> write(Writing writing, Model after, JournalEntry entry, NodeId next_node_id);
   Status finish(Writing& writing);
+  /// After a reading.
+  Status check_nothing_changed() const {
+    return database_.access() == Database::Access::unlogged ? identity_.check_content() : Status{};
+  }
   /// The edits with hashes that are right whatever the caller filled in, and the first free id after them.
   Result<std::vector<Edit>> checked(std::vector<Edit> edits, NodeId& next_node_id) const;
 
@@ -202,7 +207,9 @@ Result<std::vector<RevisionInfo>> SqliteSceneStore::log() const {
   const std::scoped_lock lock{mutex_};
   const auto snapshot = Transaction::begin(database_, "BEGIN");
   if (!snapshot) return fail(snapshot.error());
-  return read_journal(database_);
+  auto journal = read_journal(database_);
+  if (auto same = check_nothing_changed(); !same) return fail(same.error());
+  return journal;
 }
 
 Result<std::shared_ptr<const Model>> SqliteSceneStore::model_at(Revision revision) const {
@@ -210,8 +217,8 @@ Result<std::shared_ptr<const Model>> SqliteSceneStore::model_at(Revision revisio
   const auto snapshot = Transaction::begin(database_, "BEGIN");
   if (!snapshot) return fail(snapshot.error());
   const auto place = place_of(database_, revision);
-  if (!place) return fail(place.error());
-  auto model = read_model(database_, revision, *model_);
+  auto model = place ? read_model(database_, revision, *model_) : Result<Model>{fail(place.error())};
+  if (auto same = check_nothing_changed(); !same) return fail(same.error());
   if (!model) return fail(model.error());
   return std::make_shared<const Model>(std::move(*model));
 }
@@ -273,6 +280,9 @@ Result<std::unique_ptr<SceneStore>> SceneStore::open(const std::filesystem::path
   auto database = open_scene_file(file);
   if (!database) return fail(database.error());
   auto state = read_state(*database);
+  if (database->access() == Database::Access::unlogged) {
+    if (auto same = identity->check_content(); !same) return fail(same.error());
+  }
   if (!state) return fail(state.error());
   database->checkpoint_on_close(true);
   return std::make_unique<SqliteSceneStore>(std::move(*database), std::move(*identity),

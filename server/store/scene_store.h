@@ -31,7 +31,8 @@ struct RevisionInfo {
 /// An error leaves the scene at its last revision.
 class SceneStore {
  public:
-  /// Creates the file when it is not there. A damaged or foreign file is refused, unchanged.
+  /// Creates the file when it is not there. A damaged or foreign file is refused, unchanged. Where it or its
+  /// folder may not be written the scene can be read; a reading while another program writes is an error.
   [[nodiscard]] static Result<std::unique_ptr<SceneStore>> open(const std::filesystem::path& file, bool create);
   virtual ~SceneStore() = default;
 

@@ -1,5 +1,6 @@
 #include "server/store/schema.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -101,6 +102,32 @@ Status check_pages(Database& database) {
   return {};
 }
 
+bool may_write(const fs::path& file) {
+  return ::faccessat(AT_FDCWD, file.c_str(), W_OK, AT_EACCESS) == 0;
+}
+
+/// A log needs files beside the scene. Where none can be made, and none is left, nothing is lost without. Beside a
+/// scene that may only be read none shall be made either: they would be the reader's, and keep the owner from writing.
+bool must_be_read_unlogged(const fs::path& file) {
+  // SQLite's files lie beside the file that symbolic links lead to.
+  std::error_code unknown;
+  const auto real = fs::canonical(file, unknown);
+  if (unknown) return false;
+  if (may_write(real.parent_path()) && may_write(real)) return false;
+  std::error_code no_log;
+  const auto log_bytes = fs::file_size(real.string() + "-wal", no_log);
+  return no_log || log_bytes == 0;
+}
+
+Result<Database> open_unlogged(const fs::path& file) {
+  auto database = Database::open(file, Database::Access::unlogged);
+  if (!database) return fail(database.error());
+  if (auto ok = check_identity(*database); !ok) return fail(ok.error());
+  if (auto ok = database->run("PRAGMA cell_size_check=ON"); !ok) return fail(ok.error());
+  if (auto ok = check_pages(*database); !ok) return fail(ok.error());
+  return database;
+}
+
 }  // namespace
 
 Status create_scene_file(const fs::path& file) {
@@ -122,6 +149,7 @@ Status create_scene_file(const fs::path& file) {
 }
 
 Result<Database> open_scene_file(const fs::path& file) {
+  if (must_be_read_unlogged(file)) return open_unlogged(file);
   {
     // A connection that cannot write does not touch what turns out to be somebody else's.
     auto foreign = Database::open(file, Database::Access::read_only);

@@ -11,7 +11,9 @@ namespace meshloop {
 [[nodiscard]] Status create_scene_file(const std::filesystem::path& file);
 
 /// A connection to a scene file, checked: the right program, a known schema, pages in order. A file that is refused
-/// is unchanged; the caller allows the connection to move its log into the file once it has read the scene.
+/// is unchanged. Where it or its folder may not be written, and without a log, it is read unlogged; FileIdentity then
+/// has to say after each reading that nobody wrote meanwhile. The caller allows the connection to move its log into the
+/// file once it has read the scene.
 [[nodiscard]] Result<Database> open_scene_file(const std::filesystem::path& file);
 
 }  // namespace meshloop

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
+#include <cstring>
+
 namespace meshloop {
 namespace {
 
@@ -35,15 +38,37 @@ std::string sentence(int code, const std::string& file, const char* detail) {
   }
 }
 
+int flags_of(Database::Access access) {
+  switch (access) {
+    case Database::Access::unlogged:
+      return SQLITE_OPEN_READONLY | SQLITE_OPEN_URI;
+    case Database::Access::read_only:
+      return SQLITE_OPEN_READONLY;
+    case Database::Access::read_write:
+      return SQLITE_OPEN_READWRITE;
+    case Database::Access::create:
+      break;
+  }
+  return SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+}
+
+/// The name as SQLite takes it with parameters.
+std::string unlogged_uri(const std::filesystem::path& file) {
+  std::string uri = "file://";  // without these two, a path that begins with two slashes names a host
+  for (const char c : std::filesystem::absolute(file).string()) {
+    const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || std::strchr("/._-", c) != nullptr;
+    uri += is_plain ? std::string{c} : fmt::format("%{:02x}", static_cast<unsigned char>(c));
+  }
+  return uri + "?immutable=1";
+}
+
 }  // namespace
 
 Result<Database> Database::open(const std::filesystem::path& file, Access access) {
-  const int flags = access == Access::read_only    ? SQLITE_OPEN_READONLY
-                    : access == Access::read_write ? SQLITE_OPEN_READWRITE
-                                                   : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  const std::string name = access == Access::unlogged ? unlogged_uri(file) : file.string();
   sqlite3* connection = nullptr;
-  const int code = sqlite3_open_v2(file.c_str(), &connection, flags | SQLITE_OPEN_EXRESCODE, nullptr);
-  Database database{connection, file};
+  const int code = sqlite3_open_v2(name.c_str(), &connection, flags_of(access) | SQLITE_OPEN_EXRESCODE, nullptr);
+  Database database{connection, file, access};
   if (code != SQLITE_OK) return fail(sentence(code, file.string(), sqlite3_errstr(code)));
   sqlite3_busy_timeout(connection, kBusyTimeout_ms);
   // The file may come from anywhere: its schema gets no rights.

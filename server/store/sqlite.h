@@ -20,7 +20,9 @@ class Statement;
 /// One connection. Not thread-safe.
 class Database {
  public:
-  enum class Access { read_only, read_write, create };
+  /// unlogged: reads the file alone, without its log, locks and the files that these need; the caller makes sure that
+  /// there is no log, and that nobody wrote to the file meanwhile.
+  enum class Access { unlogged, read_only, read_write, create };
   [[nodiscard]] static Result<Database> open(const std::filesystem::path& file, Access access);
 
   /// Statements without results and parameters, separated by semicolons.
@@ -41,15 +43,18 @@ class Database {
   /// The last error as one sentence that names the file.
   [[nodiscard]] Error error() const;
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+  [[nodiscard]] Access access() const { return access_; }
 
  private:
   struct Close {
     void operator()(sqlite3* connection) const { sqlite3_close(connection); }
   };
-  Database(sqlite3* connection, std::filesystem::path file) : connection_{connection}, file_{std::move(file)} {}
+  Database(sqlite3* connection, std::filesystem::path file, Access access)
+      : connection_{connection}, file_{std::move(file)}, access_{access} {}
 
   std::unique_ptr<sqlite3, Close> connection_;
   std::filesystem::path file_;
+  Access access_;
 };
 
 /// A prepared statement. Bound memory must live until the next step. An error in binding shows at the next step.

@@ -10,6 +10,7 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
+#include <functional>
 #include <random>
 #include <thread>
 
@@ -103,6 +104,85 @@ std::uint64_t kill_while_committing(const std::filesystem::path& scene, bool awa
   while (::read(ends[0], &number, sizeof number) == sizeof number) last = number;
   ::close(ends[0]);
   return last;
+}
+
+/// What the child says while the folder has these rights; for root, who may write everywhere, as nobody.
+int exit_code_with_rights(int rights, const std::filesystem::path& folder, const std::function<bool()>& is_as_wanted) {
+  std::filesystem::permissions(folder, static_cast<std::filesystem::perms>(rights));
+  const pid_t child = ::fork();
+  if (child == 0) {
+    constexpr uid_t kNobody = 65534;
+    if (::geteuid() == 0 && ::setuid(kNobody) != 0) ::_exit(2);
+    ::_exit(is_as_wanted() ? 0 : 1);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  std::filesystem::permissions(folder, std::filesystem::perms{0755});
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST_F(HardTimes, AFolderThatMayNotBeWrittenCanBeRead) {
+  const auto strange = folder_ / "a ?#%20 scene.db";
+  {
+    const auto store = open_or_die(strange);
+    store->commit({add(1, 1)}, {}).value();
+    store->commit({add(2, 2)}, {}).value();
+  }
+  EXPECT_EQ(exit_code_with_rights(0555, folder_,
+                                  [&] {
+                                    const auto store = SceneStore::open(strange, false);
+                                    if (!store || (*store)->model()->nodes.size() != 2) return false;
+                                    const auto first = (*store)->model_at(1);
+                                    const auto log = (*store)->log();
+                                    const bool reads = first && (*first)->nodes.size() == 1 && log && log->size() == 2;
+                                    const auto undone = (*store)->undo();
+                                    return reads && !undone &&
+                                           undone.error().message.find("cannot be written") != std::string::npos;
+                                  }),
+            0);
+  EXPECT_EQ(open_or_die(strange)->model()->revision, 2u);
+}
+
+TEST_F(HardTimes, ReadingAFileThatMayNotBeWrittenLeavesNothingBesideIt) {
+  open_or_die(scene_)->commit({add(1, 1)}, {}).value();
+  std::filesystem::permissions(scene_, std::filesystem::perms{0444});
+  EXPECT_EQ(exit_code_with_rights(0777, folder_,
+                                  [&] {
+                                    const auto store = SceneStore::open(scene_, false);
+                                    return store && (*store)->model()->revision == 1 && (*store)->log();
+                                  }),
+            0);
+  EXPECT_FALSE(std::filesystem::exists(scene_.string() + "-wal"));
+  EXPECT_FALSE(std::filesystem::exists(scene_.string() + "-shm"));
+  std::filesystem::permissions(scene_, std::filesystem::perms{0644});
+  EXPECT_TRUE(open_or_die(scene_)->commit({add(2, 2)}, {}));
+}
+
+TEST_F(HardTimes, AReadingWithoutALogNoticesAWriter) {
+  open_or_die(scene_)->commit({add(1, 1)}, {}).value();
+  int ends[2];
+  int answers[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  ASSERT_EQ(::pipe(answers), 0);
+  std::thread writer{[&] {
+    char c = 0;
+    if (::read(ends[0], &c, 1) != 1) return;
+    std::filesystem::last_write_time(scene_, std::filesystem::file_time_type::clock::now());
+    if (::write(answers[1], &c, 1) != 1) return;
+  }};
+  EXPECT_EQ(exit_code_with_rights(0555, folder_,
+                                  [&] {
+                                    const auto store = SceneStore::open(scene_, false);
+                                    char c = 'x';
+                                    if (::write(ends[1], &c, 1) != 1 || ::read(answers[0], &c, 1) != 1) return false;
+                                    if (!store || !(*store)->model()) return false;
+                                    const auto log = (*store)->log();
+                                    return !log && log.error().message.find("try again") != std::string::npos;
+                                  }),
+            0);
+  ::close(ends[1]);  // a child that did not ask must not keep the writer waiting
+  writer.join();
+  for (const int fd : {ends[0], answers[0], answers[1]}) ::close(fd);
 }
 
 TEST_F(HardTimes, EveryReportedRevisionSurvivesKillNineAtAnyMoment) {

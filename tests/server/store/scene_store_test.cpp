@@ -100,6 +100,8 @@ TEST_F(Store, UndoAndRedoAreNewRevisions) {
   }
   EXPECT_EQ(log[3].summary, "undo of revision 3");
   EXPECT_EQ(log[8].summary, "redo of revision 3");
+  EXPECT_EQ(log[3].author, "operator");
+  EXPECT_EQ(log[8].author, "operator");
 }
 
 TEST_F(Store, UndoSwapsTheTrianglesOfTheJournal) {
