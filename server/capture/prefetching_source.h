@@ -16,6 +16,7 @@ class PrefetchingSource : public RgbdSource {
 
   [[nodiscard]] const Rig& rig() const override { return source_->rig(); }
   Result<std::optional<RgbdFrame>> next() override;
+  [[nodiscard]] bool ready() const override { return !queue_.would_wait(); }
 
  private:
   void read_all();

@@ -192,7 +192,7 @@ Result<Comparison> GlComparator::compare(const CompareInput& input, CompareTimes
   if (auto valid = validate(input); !valid) return fail(valid.error());
   context_.make_current();
   Stopwatch watch;
-  // Waiting between the steps costs time; it is done only for somebody who wants to know.
+  // Waiting between the steps costs a little; it is done only where times are asked for.
   const auto lap = [&](double CompareTimes::*step) {
     if (times == nullptr) return;
     glFinish();

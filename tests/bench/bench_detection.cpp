@@ -6,16 +6,16 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <random>
 #include <thread>
 #include <tuple>
 #include <utility>
 
-#include "common/base/memory.h"
 #include "common/gpu/mesh_cache.h"
 #include "common/gpu/scene_renderer.h"
 #include "scenes.h"
-#include "server/compare/comparator.h"
+#include "server/compare/background_comparator.h"
 #include "server/compare/region_tracker.h"
 #ifdef MESHLOOP_EMBREE
 #include "embree_scene.h"
@@ -36,7 +36,7 @@ struct Scene {
 struct World {
   std::unique_ptr<GpuContext> gpu;
   std::unique_ptr<SceneRenderer> renderer;
-  std::unique_ptr<Comparator> comparator;
+  std::unique_ptr<BackgroundComparator> comparator;
   Scene scene;
   Model model;
 #ifdef MESHLOOP_EMBREE
@@ -47,7 +47,7 @@ struct World {
     if (gpu == nullptr) {
       gpu = std::move(GpuContext::create_headless().value());
       renderer = std::move(SceneRenderer::create(*gpu).value());
-      comparator = std::move(Comparator::create(*gpu).value());
+      comparator = std::move(BackgroundComparator::create().value());
     }
     if (scene == wanted) return;
     scene = wanted;
@@ -55,7 +55,6 @@ struct World {
 #ifdef MESHLOOP_EMBREE
     embree.reset();
 #endif
-    gpu->meshes().finish(model);
   }
 };
 
@@ -86,10 +85,12 @@ CompareInput input_of(const DepthImage& measured, const Camera& camera) {
   input.camera = camera;
   input.pose.state = TrackState::tracking;
   input.pose.covariance = 1e-6 * PoseCovariance::Identity();
+  input.wait_for_detail = true;
   input.measured = &measured;
   return input;
 }
 
+/// One frame's regions are found while the next one is compared, as in the station.
 void on_gpu(benchmark::State& state, const Scene& scene, int width, int height, double detail_share) {
   world().show(scene);
   const Camera camera = kinect(width, height);
@@ -97,10 +98,14 @@ void on_gpu(benchmark::State& state, const Scene& scene, int width, int height, 
   CompareInput input = input_of(measured, camera);
   input.detail_share = detail_share;
   RegionTracker regions{RegionOptions{}};
+  std::optional<PendingComparison> next{world().comparator->begin(input)};
+  if (const auto first = next->take(); !first) return state.SkipWithError(first.error().message.c_str());
+  next.emplace(world().comparator->begin(input));
   for (auto _ : state) {
-    const auto comparison = world().comparator->compare(input, nullptr);
-    if (!comparison) return state.SkipWithError(comparison.error().message.c_str());
-    benchmark::DoNotOptimize(regions.update(*comparison, measured, camera, Pose::Identity()));
+    const auto compared = next->take();
+    if (!compared) return state.SkipWithError(compared.error().message.c_str());
+    next.emplace(world().comparator->begin(input));
+    benchmark::DoNotOptimize(regions.update(compared->comparison, measured, camera, Pose::Identity()));
   }
 }
 
@@ -186,12 +191,7 @@ void add_all() {
   }
 }
 
+[[maybe_unused]] const bool kAdded = (add_all(), true);
+
 }  // namespace
 }  // namespace meshloop
-
-int main(int argc, char** argv) {
-  meshloop::keep_memory_between_frames();  // as the programs do
-  meshloop::add_all();
-  benchmark::Initialize(&argc, argv);
-  benchmark::RunSpecifiedBenchmarks();
-}
