@@ -87,11 +87,15 @@ Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const Rig& rig,
                             tracked.frame.index, proposals.size()));
   }
   if (!accepted.empty()) {
-    const auto picture = views.on_color(tracked, *examination, fmt::format("frame {}", tracked.frame.index));
-    if (!picture) return fail(picture.error());
+    const auto frame = fmt::format("frame {}", tracked.frame.index);
+    const auto picture = views.on_color(tracked, *examination, frame);
+    if (!picture) return fail(frame, picture.error());
     const auto acceptance = accept_changes(store, accepted, "adjust", *picture);
-    if (!acceptance) return fail(acceptance.error());
-    if (auto synced = store.sync(); !synced) return synced;
+    if (!acceptance) return fail(frame, acceptance.error());
+    if (auto synced = store.sync(); !synced) {
+      return fail(fmt::format("{}: revision {} may be gone at the next start", frame, acceptance->info.revision),
+                  synced.error());
+    }
     result["revision"] = acceptance->info.revision;
     result["triangles_added"] = acceptance->info.triangles_added;
     result["triangles_removed"] = acceptance->info.triangles_removed;
@@ -100,9 +104,12 @@ Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const Rig& rig,
   return {};
 }
 
-void report(const AdjustArguments& arguments, const AdjustRun& run, const Model& model) {
+/// `done`: how the run ended; the frames before an error are told too, for their revisions stay.
+void report(const AdjustArguments& arguments, const AdjustRun& run, const Model& model, const Status& done) {
   if (arguments.json) {
-    print_json({{"frames", run.results}, {"revision", model.revision}, {"triangles", model.triangle_count()}});
+    nlohmann::json json{{"frames", run.results}, {"revision", model.revision}, {"triangles", model.triangle_count()}};
+    if (!done) json["error"] = done.error().message;
+    print_json(json);
     return;
   }
   for (const auto& frame : run.results) {
@@ -121,6 +128,22 @@ void report(const AdjustArguments& arguments, const AdjustRun& run, const Model&
   }
 }
 
+Status adjust_all(AdjustRun& run, TrackedFrames& frames, Examiner& examiner, Views& views, SceneStore& store) {
+  int read = 0;
+  while (read <= run.frames.back()) {
+    auto tracked = frames.next();
+    if (!tracked) return fail(tracked.error());
+    if (!*tracked) {
+      return fail(fmt::format("frame {} is not in the recording, which has {} frames", run.frames.back(), read),
+                  ErrorKind::usage);
+    }
+    read = (*tracked)->frame.index + 1;
+    if (!std::binary_search(run.frames.begin(), run.frames.end(), read - 1)) continue;
+    if (auto done = adjust_frame(run, **tracked, frames.rig(), examiner, views, store); !done) return done;
+  }
+  return {};
+}
+
 Status adjust(const AdjustArguments& arguments) {
   auto run = make_run(arguments);
   if (!run) return fail(run.error());
@@ -131,29 +154,18 @@ Status adjust(const AdjustArguments& arguments) {
   if (!store) return fail(store.error());
   auto frames = arguments.recording.open();
   if (!frames) return fail(frames.error());
+  options->regions.confirm_views = 1;
+  auto examiner = Examiner::create(frames->rig(), *options);
+  if (!examiner) return fail(examiner.error());
   auto gpu = GpuContext::create_headless();
   if (!gpu) return fail(gpu.error());
-  options->regions.confirm_views = 1;
-  auto examiner = Examiner::create(**gpu, frames->rig(), *options);
-  if (!examiner) return fail(examiner.error());
-
   auto views = Views::create(**gpu, frames->rig(), arguments.views);
   if (!views) return fail(views.error());
-
-  int read = 0;
-  while (read <= run->frames.back()) {
-    auto tracked = frames->next();
-    if (!tracked) return fail(tracked.error());
-    if (!*tracked) {
-      return fail(fmt::format("frame {} is not in the recording, which has {} frames", run->frames.back(), read),
-                  ErrorKind::usage);
-    }
-    read = (*tracked)->frame.index + 1;
-    if (!std::binary_search(run->frames.begin(), run->frames.end(), read - 1)) continue;
-    if (auto done = adjust_frame(*run, **tracked, frames->rig(), *examiner, *views, **store); !done) return done;
-  }
-  report(arguments, *run, *(*store)->model());
-  return {};
+  auto done = adjust_all(*run, *frames, *examiner, *views, **store);
+  const auto is_lost = [](const nlohmann::json& frame) { return frame.contains("reason"); };
+  if (done && std::all_of(run->results.begin(), run->results.end(), is_lost)) done = fail(kEveryFrameIsLost);
+  if (!run->results.empty()) report(arguments, *run, *(*store)->model(), done);
+  return done;
 }
 
 }  // namespace
@@ -167,7 +179,7 @@ void add_adjust_command(CLI::App& app, Action& action) {
       ->required();
   arguments->threshold.add_to(*command);
   command->add_option("--accept", arguments->accept,
-                      "all, or ids of proposals (1,3); nothing is accepted if not given");
+                      "all, or ids of proposals (1,3), each of which counts once; nothing is accepted if not given");
   arguments->views.add_colors_to(*command);
   command->add_flag("--json", arguments->json, "proposals and revisions as JSON on stdout");
   command->callback([arguments, &action] { action = [arguments] { return adjust(*arguments); }; });

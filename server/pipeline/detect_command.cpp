@@ -13,6 +13,7 @@
 #include "common/program/model_arguments.h"
 #include "server/evaluate/label_score.h"
 #include "server/pipeline/commands.h"
+#include "server/pipeline/detect_files.h"
 #include "server/pipeline/examiner.h"
 #include "server/pipeline/options.h"
 #include "server/pipeline/region_pictures.h"
@@ -46,8 +47,12 @@ struct DetectRun {
   std::optional<LabelScore> score;
   nlohmann::json results = nlohmann::json::array();
   std::vector<double> total_ms;
+  /// Of an earlier run.
+  /// Of an earlier run; nothing until the first frame is there to take their place.
+  std::optional<std::size_t> removed_files;
 };
 
+// remove_files_of_detect knows these names.
 std::string numbered(const char* name, int frame, const char* ending) {
   return fmt::format("{}_{:06}.{}", name, frame, ending);
 }
@@ -68,7 +73,7 @@ Status write_images(const DetectRun& run, int index, const Comparison& compariso
 Status write_views(const DetectRun& run, const TrackedFrame& tracked, const Examination& examination, Views& views) {
   const fs::path out = run.arguments.out;
   const int index = tracked.frame.index;
-  const auto title = fmt::format("frame {}, threshold {}, {}", index, run.arguments.threshold.threshold,
+  const auto title = fmt::format("frame {}, threshold {}, {}", index, run.arguments.threshold.text(),
                                  smallest_change_text(examination));
   if (views.wants_color()) {
     const auto picture = views.on_color(tracked, examination, title);
@@ -103,32 +108,68 @@ Status score_frame(DetectRun& run, const TrackedFrame& tracked, const Examinatio
   return {};
 }
 
-Status detect_frame(DetectRun& run, const TrackedFrame& tracked, const Model& model, Examiner& examiner, Views& views,
-                    const AveragedDepth* average = nullptr) {
-  nlohmann::json result{{"index", tracked.frame.index}, {"timestamp", tracked.frame.depth_timestamp_s}};
+/// A frame that is being compared while the next one is read. Stays where it is meanwhile.
+struct InFlight {
+  TrackedFrame tracked;
+  std::optional<AveragedDepth> average;
+  /// Reads the others, and therefore ends before them.
+  std::optional<Examiner::Begun> begun;
+};
+
+/// What frames are compared with, and how their pictures are drawn.
+struct Stages {
+  const Model& model;
+  Examiner& examiner;
+  Views& views;
+  std::unique_ptr<InFlight> in_flight = nullptr;
+};
+
+void begin_frame(DetectRun& run, TrackedFrame tracked, std::optional<AveragedDepth> average, Stages& stages) {
   if (tracked.depth_pose.state == TrackState::lost) {
-    result["state"] = "lost";
-    run.results.push_back(std::move(result));
-    return {};
+    run.results.push_back(
+        {{"index", tracked.frame.index}, {"timestamp", tracked.frame.depth_timestamp_s}, {"state", "lost"}});
+    return;
   }
-  auto examination = examiner.examine(tracked, model, average);
-  if (!examination) return fail(fmt::format("frame {}", tracked.frame.index), examination.error());
-  if (auto done = score_frame(run, tracked, *examination); !done) return done;
-  if (auto done = write_images(run, tracked.frame.index, examination->comparison); !done) return done;
-  if (auto done = write_views(run, tracked, *examination, views); !done) return done;
-  if (auto done = run.pictures.update(tracked, *examination, views, false); !done) return done;
-  run.total_ms.push_back(examination->total_ms);
+  stages.in_flight = std::unique_ptr<InFlight>{new InFlight{std::move(tracked), std::move(average), std::nullopt}};
+  InFlight& frame = *stages.in_flight;
+  frame.begun.emplace(stages.examiner.begin(frame.tracked, stages.model, frame.average ? &*frame.average : nullptr));
+}
+
+nlohmann::json frame_json(const DetectRun& run, const InFlight& frame, const Examination& examination) {
+  const TrackedFrame& tracked = frame.tracked;
+  nlohmann::json result{{"index", tracked.frame.index}, {"timestamp", tracked.frame.depth_timestamp_s}};
   result["state"] = name_of(tracked.depth_pose.state);
-  if (average != nullptr) result["averaged_frames"] = average->count;
-  result["smallest_change_m"] = smallest_change_json(*examination);
-  result["counts"] = counts_json(examination->comparison);
-  result["time_ms"] = times_json(*examination);
+  if (frame.average) result["averaged_frames"] = frame.average->count;
+  result["smallest_change_m"] = smallest_change_json(examination);
+  if (!examination.smallest_change_m) result["why_nothing"] = why_nothing_can_be_told(examination);
+  result["counts"] = counts_json(examination.comparison);
+  result["time_ms"] = times_json(examination);
   result["regions"] = nlohmann::json::array();
-  for (const auto& region : examination->regions.regions) {
+  for (const auto& region : examination.regions.regions) {
     result["regions"].push_back(region_json(region));
     if (const auto file = run.pictures.file_of(region.id); !file.empty()) result["regions"].back()["picture"] = file;
   }
-  run.results.push_back(std::move(result));
+  return result;
+}
+
+/// The rest of the frame in flight, if there is one.
+Status finish_frame(DetectRun& run, Stages& stages) {
+  if (!stages.in_flight) return {};
+  const auto frame = std::move(stages.in_flight);
+  const TrackedFrame& tracked = frame->tracked;
+  auto examination = stages.examiner.finish(std::move(*frame->begun));
+  if (!examination) return fail(fmt::format("frame {}", tracked.frame.index), examination.error());
+  if (auto done = score_frame(run, tracked, *examination); !done) return done;
+  if (!run.removed_files) {
+    const auto removed = remove_files_of_detect(run.arguments.out);
+    if (!removed) return fail(removed.error());
+    run.removed_files = *removed;
+  }
+  if (auto done = write_images(run, tracked.frame.index, examination->comparison); !done) return done;
+  if (auto done = write_views(run, tracked, *examination, stages.views); !done) return done;
+  if (auto done = run.pictures.update(tracked, *examination, stages.views, false); !done) return done;
+  run.total_ms.push_back(examination->total_ms);
+  run.results.push_back(frame_json(run, *frame, *examination));
   return {};
 }
 
@@ -165,7 +206,8 @@ std::string changes_text(const nlohmann::json& counts) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-// "frame 3: 12 closer, 0 farther, 7 unmodelled pixels; regions: 1 confirmed, 2 not yet; here: 7.9 mm"
+// "frame 3: 12 closer, 0 farther, 7 unmodelled pixels; regions: 1 confirmed, 2 not yet; smallest visible change: 7.9
+// mm"
 std::string frame_text(const nlohmann::json& frame) {
   const auto& regions = frame["regions"];
   const auto confirmed = std::count_if(regions.begin(), regions.end(),
@@ -175,8 +217,9 @@ std::string frame_text(const nlohmann::json& frame) {
                   changes_text(frame["counts"]), confirmed, static_cast<std::ptrdiff_t>(regions.size()) - confirmed);
   if (frame.contains("averaged_frames")) text += fmt::format("; mean of {}", frame["averaged_frames"].get<int>());
   const auto& smallest = frame["smallest_change_m"];
-  if (smallest.is_number()) return text + fmt::format("; here: {:.1f} mm", 1000 * smallest.get<double>());
-  return text + "; nothing is both measured and modelled: do the model, the poses and depth_scale fit the recording?";
+  if (smallest.is_number())
+    return text + fmt::format("; smallest visible change: {:.1f} mm", 1000 * smallest.get<double>());
+  return text + "; " + frame["why_nothing"].get<std::string>();
 }
 
 std::string score_text(const LabelScore& score) {
@@ -186,14 +229,20 @@ std::string score_text(const LabelScore& score) {
                      number(score.iou(Label::unmodelled)), number(score.recall()), number(score.false_change()));
 }
 
-void report(const DetectRun& run, const ImportedModel& model) {
+/// `done`: how the run ended; the frames before an error are told too.
+void report(const DetectRun& run, const ImportedModel& model, const Status& done) {
   nlohmann::json json{{"frames", run.results}, {"time_ms", spread_json(run.total_ms)}, {"model", import_json(model)}};
+  json["removed_files"] = run.removed_files.value_or(0);
   if (run.score) json["truth"] = score_json(*run.score);
+  if (!done) json["error"] = done.error().message;
   if (run.arguments.json) {
     print_json(json);
     return;
   }
   std::cout << import_text(run.arguments.model.file, model) << '\n';
+  if (run.removed_files.value_or(0) > 0) {
+    std::cout << fmt::format("removed {} files of an earlier run from {}\n", *run.removed_files, run.arguments.out);
+  }
   for (const auto& frame : run.results) {
     if (!frame.contains("counts")) {
       std::cout << fmt::format("frame {}: the pose is lost\n", frame["index"].get<int>());
@@ -202,7 +251,7 @@ void report(const DetectRun& run, const ImportedModel& model) {
     std::cout << frame_text(frame) << '\n';
   }
   if (run.score) std::cout << score_text(*run.score) << '\n';
-  std::cout << "pictures and differences are in " << run.arguments.out << '\n';
+  if (!run.total_ms.empty()) std::cout << "pictures and differences are in " << run.arguments.out << '\n';
 }
 
 Status check_frames(const DetectRun& run, int frames_read) {
@@ -214,30 +263,35 @@ Status check_frames(const DetectRun& run, int frames_read) {
 }
 
 // The mean of the frames that were collected, in place of the first one's depth.
-Status detect_average(DetectRun& run, const Model& model, Examiner& examiner, Views& views) {
-  if (!run.first_of_average) return {};
-  const AveragedDepth average = run.average->result();
+void begin_average(DetectRun& run, Stages& stages) {
+  if (!run.first_of_average) return;
+  AveragedDepth average = run.average->result();
   TrackedFrame tracked = std::move(*run.first_of_average);
   tracked.frame.depth = average.mean;
   run.average->reset();
   run.first_of_average.reset();
-  return detect_frame(run, tracked, model, examiner, views, &average);
+  begin_frame(run, std::move(tracked), std::move(average), stages);
 }
 
-Status take_frame(DetectRun& run, TrackedFrame tracked, const Model& model, Examiner& examiner, Views& views) {
+Status begin_or_collect(DetectRun& run, TrackedFrame tracked, Stages& stages) {
   const bool is_lost = tracked.depth_pose.state == TrackState::lost;
-  if (!run.average || is_lost) return detect_frame(run, tracked, model, examiner, views);
+  if (!run.average || is_lost) {
+    begin_frame(run, std::move(tracked), std::nullopt, stages);
+    return {};
+  }
   if (auto done = run.average->add(tracked.frame.depth, tracked.depth_pose); !done) {
     return fail(fmt::format("frame {}", tracked.frame.index), done.error());
   }
   if (!run.first_of_average) run.first_of_average = std::move(tracked);
-  return run.average->count() == run.arguments.average ? detect_average(run, model, examiner, views) : Status{};
+  if (run.average->count() == run.arguments.average) begin_average(run, stages);
+  return {};
 }
 
-Status process(DetectRun& run, const Model& model, TrackedFrames& frames, Examiner& examiner, Views& views) {
+Status process(DetectRun& run, TrackedFrames& frames, Stages& stages) {
   int read = 0;
   for (;;) {
-    auto tracked = frames.next();
+    auto tracked = frames.next();  // while the frame before is compared
+    if (auto done = finish_frame(run, stages); !done) return done;
     if (!tracked) return fail(tracked.error());
     if (!*tracked) {
       if (auto there = check_frames(run, read); !there) return there;
@@ -246,11 +300,24 @@ Status process(DetectRun& run, const Model& model, TrackedFrames& frames, Examin
     read = (*tracked)->frame.index + 1;
     const bool wanted = run.frames.empty() || std::binary_search(run.frames.begin(), run.frames.end(), read - 1);
     if (wanted) {
-      if (auto done = take_frame(run, std::move(**tracked), model, examiner, views); !done) return done;
+      if (auto done = begin_or_collect(run, std::move(**tracked), stages); !done) return done;
     }
     if (!run.frames.empty() && read > run.frames.back()) break;
   }
-  return detect_average(run, model, examiner, views);  // of what is left
+  if (auto done = finish_frame(run, stages); !done) return done;
+  begin_average(run, stages);  // of what is left
+  return finish_frame(run, stages);
+}
+
+Status detect_all(DetectRun& run, const ImportedModel& imported, TrackedFrames& frames, Stages& stages) {
+  auto done = process(run, frames, stages);
+  const auto is_found = [](const nlohmann::json& frame) { return frame.contains("counts"); };
+  if (done && std::none_of(run.results.begin(), run.results.end(), is_found)) done = fail(kEveryFrameIsLost);
+  // A mean of frames is told by its first one, after those that were lost meanwhile.
+  std::sort(run.results.begin(), run.results.end(),
+            [](const nlohmann::json& a, const nlohmann::json& b) { return a["index"] < b["index"]; });
+  if (!run.results.empty()) report(run, imported, done);
+  return done;
 }
 
 Status detect(const DetectArguments& arguments) {
@@ -261,7 +328,8 @@ Status detect(const DetectArguments& arguments) {
                 .first_of_average = std::nullopt,
                 .score = std::nullopt,
                 .results = nlohmann::json::array(),
-                .total_ms = {}};
+                .total_ms = {},
+                .removed_files = std::nullopt};
   auto options = arguments.threshold.examiner_options();
   if (!options) return fail(options.error());
   options->wait_for_detail = true;
@@ -279,19 +347,14 @@ Status detect(const DetectArguments& arguments) {
   if (error) return fail(fmt::format("cannot make the folder '{}': {}", arguments.out, error.message()));
   if (arguments.average > 1) run.average.emplace(frames->rig().depth, frames->rig().sensor);
   if (!arguments.truth.empty()) run.score.emplace(frames->rig().sensor, 3.0);
+  auto examiner = Examiner::create(frames->rig(), *options);
+  if (!examiner) return fail(examiner.error());
   auto gpu = GpuContext::create_headless();
   if (!gpu) return fail(gpu.error());
-  auto examiner = Examiner::create(**gpu, frames->rig(), *options);
-  if (!examiner) return fail(examiner.error());
   auto views = Views::create(**gpu, frames->rig(), arguments.views);
   if (!views) return fail(views.error());
-  if (auto done = process(run, imported->model, *frames, *examiner, *views); !done) return done;
-  const auto is_found = [](const nlohmann::json& frame) { return frame.contains("counts"); };
-  if (std::none_of(run.results.begin(), run.results.end(), is_found)) {
-    return fail("every frame is lost; do the poses or markers fit the recording, and cover its time?");
-  }
-  report(run, *imported);
-  return {};
+  Stages stages{imported->model, *examiner, *views};
+  return detect_all(run, *imported, *frames, stages);
 }
 
 }  // namespace
@@ -308,7 +371,10 @@ void add_detect_command(CLI::App& app, Action& action) {
                    "compare the mean of this many frames, during which the camera rests")
       ->check(CLI::Range(1, FrameAverage::kMostFrames))
       ->capture_default_str();
-  command->add_option("--out", arguments->out, "folder for differences, labels, overlays and a picture of each region")
+  command
+      ->add_option("--out", arguments->out,
+                   "folder for differences, labels, overlays and a picture of each region; those of an earlier run in "
+                   "it are removed")
       ->required();
   command->add_option("--truth", arguments->truth, "folder of exact depth images (made by simulate): adds a score");
   arguments->views.views = "both";

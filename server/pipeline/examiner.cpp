@@ -31,57 +31,63 @@ void keep_confirmed_inside(const RegionMap& removed, RegionMap& behind) {
   for (auto& region : behind.regions) region.confirmed = region.confirmed && 2 * inside[region.id] > region.pixels;
 }
 
+const DepthImage& measured_by(const TrackedFrame& frame, const AveragedDepth* average) {
+  return average != nullptr ? average->mean : frame.frame.depth;
+}
+
 }  // namespace
 
-Examiner::Examiner(std::unique_ptr<Comparator> comparator, Rig rig, const ExaminerOptions& options)
+Examiner::Examiner(std::unique_ptr<BackgroundComparator> comparator, Rig rig, const ExaminerOptions& options)
     : comparator_{std::move(comparator)}, rig_{std::move(rig)}, options_{options}, regions_{options.regions} {}
 
-Result<Examiner> Examiner::create(GpuContext& gpu, const Rig& rig, const ExaminerOptions& options) {
-  auto comparator = Comparator::create(gpu);
+Result<Examiner> Examiner::create(const Rig& rig, const ExaminerOptions& options) {
+  auto comparator = BackgroundComparator::create();
   if (!comparator) return fail(comparator.error());
   return Examiner{std::move(*comparator), rig, options};
 }
 
-Result<Examination> Examiner::examine(const TrackedFrame& frame, const Model& model, const AveragedDepth* average) {
-  return examine(frame, model, average, regions_);
+Examiner::Begun Examiner::begin(const TrackedFrame& frame, const Model& model, const AveragedDepth* average) {
+  const CompareInput input{.model = &model,
+                           .camera = rig_.depth,
+                           .sensor = rig_.sensor,
+                           .intrinsics_covariance = rig_.covariance.depth_intrinsics,
+                           .pose = frame.depth_pose,
+                           .measured = &measured_by(frame, average),
+                           .frames_averaged = average != nullptr ? &average->frames : nullptr,
+                           .model_sigma_m = options_.model_sigma_m,
+                           .threshold = options_.threshold,
+                           .detail_share = options_.detail_share,
+                           .wait_for_detail = options_.wait_for_detail};
+  return {&frame, average, comparator_->begin(input)};
+}
+
+Result<Examination> Examiner::finish(Begun begun, RegionTracker& regions) {
+  auto compared = begun.comparison.take();
+  if (!compared) return fail(compared.error());
+  Examination examination;
+  examination.comparison = std::move(compared->comparison);
+  examination.times = compared->times;
+  const Stopwatch watch;
+  examination.smallest_change_m = examination.comparison.smallest_change_m();
+  const auto& [frame, average, comparison] = begun;
+  examination.regions = regions.update(examination.comparison, measured_by(*frame, average), rig_.depth,
+                                       frame->depth_pose.T_camera_world, average != nullptr ? average->count : 1);
+  settle_labels(examination.comparison, examination.regions);
+  examination.regions_ms = watch.milliseconds();
+  examination.total_ms = compared->total_ms + examination.regions_ms;
+  return examination;
+}
+
+Result<Examination> Examiner::examine(const TrackedFrame& frame, const Model& model) {
+  return finish(begin(frame, model));
 }
 
 Result<Examination> Examiner::examine_behind(const TrackedFrame& frame, const Model& model, const RegionMap& removed) {
   RegionOptions options = options_.regions;
   options.confirm_views = 1;
   RegionTracker regions{options};
-  auto examination = examine(frame, model, nullptr, regions);
+  auto examination = finish(begin(frame, model), regions);
   if (examination) keep_confirmed_inside(removed, examination->regions);
-  return examination;
-}
-
-Result<Examination> Examiner::examine(const TrackedFrame& frame, const Model& model, const AveragedDepth* average,
-                                      RegionTracker& regions) {
-  const Stopwatch total;
-  Examination examination;
-  const DepthImage& measured = average != nullptr ? average->mean : frame.frame.depth;
-  const CompareInput input{.model = &model,
-                           .camera = rig_.depth,
-                           .sensor = rig_.sensor,
-                           .intrinsics_covariance = rig_.covariance.depth_intrinsics,
-                           .pose = frame.depth_pose,
-                           .measured = &measured,
-                           .frames_averaged = average != nullptr ? &average->frames : nullptr,
-                           .model_sigma_m = options_.model_sigma_m,
-                           .threshold = options_.threshold,
-                           .detail_share = options_.detail_share,
-                           .wait_for_detail = options_.wait_for_detail};
-  auto comparison = comparator_->compare(input, &examination.times);
-  if (!comparison) return fail(comparison.error());
-  examination.comparison = std::move(*comparison);
-  examination.smallest_change_m = examination.comparison.smallest_change_m();
-
-  const Stopwatch regions_watch;
-  examination.regions = regions.update(examination.comparison, measured, rig_.depth, frame.depth_pose.T_camera_world,
-                                       average != nullptr ? average->count : 1);
-  settle_labels(examination.comparison, examination.regions);
-  examination.regions_ms = regions_watch.milliseconds();
-  examination.total_ms = total.milliseconds();
   return examination;
 }
 

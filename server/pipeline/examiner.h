@@ -2,8 +2,9 @@
 // One frame against the model: compare and regions, joined.
 #include <memory>
 #include <optional>
+#include <utility>
 
-#include "server/compare/comparator.h"
+#include "server/compare/background_comparator.h"
 #include "server/compare/frame_average.h"
 #include "server/compare/region_tracker.h"
 #include "server/pipeline/tracked_frames.h"
@@ -17,6 +18,7 @@ struct Examination {
   RegionMap regions;
   CompareTimes times;
   double regions_ms = 0;
+  /// Of comparison and regions, without waiting in between.
   double total_ms = 0;
 };
 
@@ -38,13 +40,24 @@ struct ExaminerOptions {
   }
 };
 
-/// One thread, that of the context.
+/// The comparison runs on a thread of its own, regions on the caller's. One thread.
 class Examiner {
  public:
-  [[nodiscard]] static Result<Examiner> create(GpuContext& gpu, const Rig& rig, const ExaminerOptions& options);
-  /// Refuses a frame whose depth pose is lost. `average` is compared in place of the frame's depth image.
-  [[nodiscard]] Result<Examination> examine(const TrackedFrame& frame, const Model& model,
-                                            const AveragedDepth* average = nullptr);
+  [[nodiscard]] static Result<Examiner> create(const Rig& rig, const ExaminerOptions& options);
+
+  /// A frame that is being compared.
+  struct Begun {
+    const TrackedFrame* frame = nullptr;
+    const AveragedDepth* average = nullptr;
+    PendingComparison comparison;
+  };
+  /// Does not wait. `average` is compared in place of the frame's depth image. All three must stay as they are until
+  /// the frame is finished or given up. Refused, with `finish`, is a frame whose depth pose is lost.
+  [[nodiscard]] Begun begin(const TrackedFrame& frame, const Model& model, const AveragedDepth* average = nullptr);
+  /// Waits for the comparison. In the order of `begin`.
+  [[nodiscard]] Result<Examination> finish(Begun begun) { return finish(std::move(begun), regions_); }
+  /// Both at once.
+  [[nodiscard]] Result<Examination> examine(const TrackedFrame& frame, const Model& model);
   /// The same frame again, after a surface was removed from the model where `removed` has a region that was confirmed:
   /// what stands there now needs no further frames. Only regions of which more than half lies in `removed` are
   /// confirmed.
@@ -54,11 +67,10 @@ class Examiner {
   void model_changed() { regions_.reset(); }
 
  private:
-  Examiner(std::unique_ptr<Comparator> comparator, Rig rig, const ExaminerOptions& options);
-  [[nodiscard]] Result<Examination> examine(const TrackedFrame& frame, const Model& model, const AveragedDepth* average,
-                                            RegionTracker& regions);
+  Examiner(std::unique_ptr<BackgroundComparator> comparator, Rig rig, const ExaminerOptions& options);
+  [[nodiscard]] Result<Examination> finish(Begun begun, RegionTracker& regions);
 
-  std::unique_ptr<Comparator> comparator_;
+  std::unique_ptr<BackgroundComparator> comparator_;
   Rig rig_;
   ExaminerOptions options_;
   RegionTracker regions_;

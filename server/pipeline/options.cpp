@@ -94,7 +94,8 @@ void ThresholdArguments::add_to(CLI::App& command) {
                   "how far the model may be from the real surfaces, in metres (one sigma)")
       ->check(between(0, 0.2))
       ->capture_default_str();
-  command.add_flag("--exact", exact, "draw every triangle of the model, however far away; slower on large models");
+  command.add_flag("--exact", exact,
+                   "draw every triangle of the model, however far away; slower with large models and many frames");
 }
 
 Result<ExaminerOptions> ThresholdArguments::examiner_options() const {
@@ -108,6 +109,10 @@ Result<ExaminerOptions> ThresholdArguments::examiner_options() const {
   options.model_sigma_m = model_sigma_m;
   if (exact) options.detail_share = 0;
   return options;
+}
+
+std::string ThresholdArguments::text() const {
+  return threshold.ends_with("sigma") ? threshold : threshold + " m";
 }
 
 Result<SensorModel> parse_sensor(const std::string& text) {

@@ -41,7 +41,13 @@ struct ThresholdArguments {
 
   void add_to(CLI::App& command);
   [[nodiscard]] Result<ExaminerOptions> examiner_options() const;
+  /// "3sigma", "0.02 m"
+  [[nodiscard]] std::string text() const;
 };
+
+/// What a batch command fails with that placed no frame.
+inline constexpr const char* kEveryFrameIsLost =
+    "every frame is lost; do the poses or markers fit the recording, and cover its time?";
 
 /// A name of SensorModel::from_name, or `constant:METRES`.
 [[nodiscard]] Result<SensorModel> parse_sensor(const std::string& text);

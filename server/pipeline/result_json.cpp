@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
+
+#include "server/compare/compare_input.h"
 
 namespace meshloop {
 namespace {
@@ -45,9 +49,20 @@ nlohmann::json smallest_change_json(const Examination& examination) {
 }
 
 std::string smallest_change_text(const Examination& examination) {
-  if (!examination.smallest_change_m) return "here: nothing can be told";
+  if (!examination.smallest_change_m) return "no change can be told";
   const double mm = 1000 * *examination.smallest_change_m;
-  return mm < 10 ? fmt::format("here: {:.1f} mm", mm) : fmt::format("here: {:.0f} mm", mm);
+  return fmt::format("smallest visible change: {:.{}f} mm", mm, mm < 10 ? 1 : 0);
+}
+
+std::string why_nothing_can_be_told(const Examination& examination) {
+  const auto differences = examination.comparison.difference_m.pixels();
+  if (std::all_of(differences.begin(), differences.end(), [](float difference) { return std::isnan(difference); })) {
+    return "nothing is both measured and modelled: do the model, the poses and depth_scale fit the recording?";
+  }
+  return fmt::format(
+      "nothing can be told at this threshold, which is above {} m at half of the pixels or more: lower --threshold or "
+      "--model-sigma",
+      kLargestThreshold_m);
 }
 
 nlohmann::json times_json(const Examination& examination) {

@@ -14,8 +14,10 @@ namespace meshloop {
 [[nodiscard]] nlohmann::json region_json(const Region& region);
 /// Metres, null when nothing can be told.
 [[nodiscard]] nlohmann::json smallest_change_json(const Examination& examination);
-/// "here: 18 mm", for the title of a picture.
+/// "smallest visible change: 18 mm", for people.
 [[nodiscard]] std::string smallest_change_text(const Examination& examination);
+/// Why a frame has no smallest change, with what to do.
+[[nodiscard]] std::string why_nothing_can_be_told(const Examination& examination);
 [[nodiscard]] nlohmann::json times_json(const Examination& examination);
 [[nodiscard]] nlohmann::json revision_json(const RevisionInfo& info);
 

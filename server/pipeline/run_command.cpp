@@ -34,6 +34,8 @@ Status run(RunArguments arguments) {
   if (!examiner) return fail(examiner.error());
   auto& options = arguments.station;
   options.examiner = *examiner;
+  // Who is not bound to a pace wants the same result each time.
+  options.examiner.wait_for_detail = arguments.fast;
   options.scene = arguments.scene;
   options.out = arguments.out;
   options.accept_all = arguments.accept == "all";

@@ -7,6 +7,7 @@
 
 #include "common/base/clock.h"
 #include "common/interchange/model_file.h"
+#include "common/program/arguments.h"
 #include "common/program/model_arguments.h"
 #include "server/pipeline/commands.h"
 #include "server/pipeline/result_json.h"
@@ -150,7 +151,8 @@ void add_scene_command(CLI::App& app, Action& action) {
   arguments->model.add_to(*importer, "model");
   CLI::App* exporter = add_one(*scene, "export", "write the model", arguments, action, on_store(scene_export));
   exporter->add_option("file", arguments->file, "target: .glb, .ply or .obj")->required();
-  exporter->add_option("--revision", arguments->revision, "the model as it was then; the present one if not given");
+  exporter->add_option("--revision", arguments->revision, "the model as it was then; the present one if not given")
+      ->check(counter());
   add_one(*scene, "info", "nodes and triangles", arguments, action, on_store(scene_info));
   add_one(*scene, "log", "the journal of revisions", arguments, action, on_store(scene_log));
   add_one(*scene, "undo", "go back by one revision", arguments, action, on_store(scene_step<&SceneStore::undo>));

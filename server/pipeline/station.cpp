@@ -15,6 +15,17 @@
 
 namespace meshloop {
 
+struct Station::InFlight {
+  TrackedFrame tracked;
+  std::shared_ptr<const Model> model;
+  /// The event that tells of the frame, as far as it is known.
+  nlohmann::json event;
+  /// Why the model may not be changed from this frame.
+  std::optional<std::string> wait;
+  /// Reads the frame and the model, and therefore ends before them.
+  std::optional<Examiner::Begun> begun;
+};
+
 struct Station::Parts {
   StationOptions options;
   Rig rig;
@@ -30,6 +41,7 @@ struct Station::Parts {
   /// When the newest revision was accepted, while it could not be published.
   std::optional<std::int64_t> unpublished_ns;
   RegionPictures region_pictures;
+  std::unique_ptr<InFlight> in_flight;
 };
 
 Station::Station(std::unique_ptr<Parts> parts) : parts_{std::move(parts)} {}
@@ -43,7 +55,7 @@ Result<std::unique_ptr<Station>> Station::create(const StationOptions& options, 
   }
   auto gpu = GpuContext::create_headless();
   if (!gpu) return fail(gpu.error());
-  auto examiner = Examiner::create(**gpu, rig, options.examiner);
+  auto examiner = Examiner::create(rig, options.examiner);
   if (!examiner) return fail(examiner.error());
   auto views = Views::create(**gpu, rig, options.views);
   if (!views) return fail(views.error());
@@ -64,7 +76,8 @@ Result<std::unique_ptr<Station>> Station::create(const StationOptions& options, 
                                          .after_is_due = false,
                                          .last_publish = {},
                                          .unpublished_ns = std::nullopt,
-                                         .region_pictures = RegionPictures{options.out}}};
+                                         .region_pictures = RegionPictures{options.out},
+                                         .in_flight = nullptr}};
   std::unique_ptr<Station> station{new Station{std::move(parts)}};
   const auto model = station->parts_->store->model();
   if (auto done = station->publish(model, wall_clock_ns()); !done) return fail(done.error());
@@ -161,10 +174,11 @@ Status Station::accept(const TrackedFrame& tracked, Examination examination) {
   if (!*first) return {};
   std::vector<Change> changes;
   changes.push_back(std::move(**first));
+  Status second_done;
   if (changes.front().acceptance.info.triangles_removed > 0) {
     auto second = change_behind(tracked, changes.front().examination);
-    if (!second) return fail(second.error());
-    if (*second) changes.push_back(std::move(**second));
+    if (!second) second_done = fail(second.error());  // the first one stays, and is told
+    if (second && *second) changes.push_back(std::move(**second));
   }
   // The report promises that the revision will be there whatever happens; devices need not wait for that.
   const Stopwatch watch;
@@ -178,7 +192,7 @@ Status Station::accept(const TrackedFrame& tracked, Examination examination) {
     write_pictures("before", change.acceptance.info.revision, tracked, change.examination, &change.picture);
   }
   parts_->after_is_due = true;
-  return {};
+  return second_done;
 }
 
 Result<std::optional<Station::Change>> Station::change_behind(const TrackedFrame& tracked,
@@ -210,35 +224,50 @@ void Station::tell_revision(const TrackedFrame& tracked, const Change& change, d
           {"sync", sync_ms}}}});
 }
 
-Status Station::handle(const TrackedFrame& tracked) {
+void Station::begin(TrackedFrame tracked) {
   if (parts_->unpublished_ns) publish_or_retry(*parts_->unpublished_ns);
-  const auto wait = reason_to_wait(tracked, parts_->previous_pose);
+  auto wait = reason_to_wait(tracked, parts_->previous_pose);
   parts_->previous_pose = tracked.depth_pose;
   nlohmann::json event{{"event", "frame"},
                        {"index", tracked.frame.index},
                        {"timestamp", tracked.frame.depth_timestamp_s},
                        {"state", name_of(tracked.color_pose.state)},
                        {"track_ms", tracked.track_ms}};
-  if (tracked.depth_pose.state == TrackState::lost) {
-    tell(std::move(event));
-    return {};
-  }
-  auto examination = parts_->examiner.examine(tracked, *parts_->store->model());
-  if (!examination) return fail(fmt::format("frame {}", tracked.frame.index), examination.error());
-  event["counts"] = counts_json(examination->comparison);
-  event["time_ms"] = times_json(*examination);
-  event["smallest_change_m"] = smallest_change_json(*examination);
-  event["regions"] = confirmed_json(tracked, *examination);
+  if (tracked.depth_pose.state == TrackState::lost) return tell(std::move(event));
+  parts_->in_flight = std::unique_ptr<InFlight>{new InFlight{.tracked = std::move(tracked),
+                                                             .model = parts_->store->model(),
+                                                             .event = std::move(event),
+                                                             .wait = std::move(wait),
+                                                             .begun = std::nullopt}};
+  InFlight& frame = *parts_->in_flight;
+  frame.begun.emplace(parts_->examiner.begin(frame.tracked, *frame.model));
+}
+
+Status Station::finish() {
+  if (!parts_->in_flight) return {};
+  const auto frame = std::move(parts_->in_flight);
+  auto examination = parts_->examiner.finish(std::move(*frame->begun));
+  if (!examination) return fail(fmt::format("frame {}", frame->tracked.frame.index), examination.error());
+  return finish(*frame, std::move(*examination));
+}
+
+Status Station::finish(const InFlight& frame, Examination examination) {
+  const TrackedFrame& tracked = frame.tracked;
+  nlohmann::json event = frame.event;
+  event["counts"] = counts_json(examination.comparison);
+  event["time_ms"] = times_json(examination);
+  event["smallest_change_m"] = smallest_change_json(examination);
+  event["regions"] = confirmed_json(tracked, examination);
   const auto confirmed = event["regions"].size();
   event["confirmed_regions"] = confirmed;
-  if (confirmed > 0 && wait) event["waits"] = *wait;
+  if (confirmed > 0 && frame.wait) event["waits"] = *frame.wait;
   tell(std::move(event));
   if (parts_->after_is_due) {
     parts_->after_is_due = false;
-    write_pictures("after", parts_->store->model()->revision, tracked, *examination, nullptr);
+    write_pictures("after", frame.model->revision, tracked, examination, nullptr);
   }
-  if (confirmed == 0 || wait || !parts_->options.accept_all) return {};
-  return accept(tracked, std::move(*examination));
+  if (confirmed == 0 || frame.wait || !parts_->options.accept_all) return {};
+  return accept(tracked, std::move(examination));
 }
 
 void Station::serve() {
@@ -255,11 +284,17 @@ void Station::serve() {
 
 Status Station::run(TrackedFrames& frames) {
   while (!stop_requested()) {
+    // The next frame is tracked while this one is compared, if it is there; otherwise nothing shall wait for it.
+    if (!frames.ready()) {
+      if (auto done = finish(); !done) return done;
+    }
     auto tracked = frames.next();
+    if (auto done = finish(); !done) return done;
     if (!tracked) return fail(tracked.error());
-    if (!*tracked) break;
-    if (auto done = handle(**tracked); !done) return done;
+    if (!*tracked || stop_requested()) break;
+    begin(std::move(**tracked));
   }
+  if (auto done = finish(); !done) return done;
   tell({{"event", "end"}, {"revision", parts_->store->model()->revision}});
   serve();
   return {};

@@ -30,7 +30,7 @@ struct StationOptions {
   bool json = false;
 };
 
-/// Owns all stages but the source. One thread, that of the GPU context it makes.
+/// Owns all stages but the source. One thread; a frame is compared on another one while this one tracks the next.
 class Station {
  public:
   /// Opens the store (which must exist), starts the network and publishes the present model.
@@ -42,7 +42,12 @@ class Station {
  private:
   struct Parts;
   explicit Station(std::unique_ptr<Parts> parts);
-  [[nodiscard]] Status handle(const TrackedFrame& tracked);
+  /// A frame that is being compared with the model.
+  struct InFlight;
+  void begin(TrackedFrame tracked);
+  /// The rest of the frame in flight, if there is one: regions, pictures, a revision.
+  [[nodiscard]] Status finish();
+  [[nodiscard]] Status finish(const InFlight& frame, Examination examination);
   /// A revision that devices have and the disk may not.
   struct Change {
     Acceptance acceptance;

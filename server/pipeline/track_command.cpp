@@ -24,34 +24,52 @@ nlohmann::json pose_json(const TrackedFrame& tracked) {
           {"inliers", pose.inliers},      {"time_ms", tracked.track_ms}};
 }
 
-Status track(const TrackArguments& arguments) {
-  auto frames = arguments.recording.open();
-  if (!frames) return fail(frames.error());
+struct TrackRun {
   Trajectory trajectory;
   nlohmann::json results = nlohmann::json::array();
   std::vector<double> times;
-  std::size_t lost = 0;
+};
+
+Status track_all(TrackedFrames& frames, TrackRun& run) {
   for (;;) {
-    auto tracked = frames->next();
+    auto tracked = frames.next();
     if (!tracked) return fail(tracked.error());
-    if (!*tracked) break;
+    if (!*tracked) return {};
     const TrackedFrame& frame = **tracked;
-    results.push_back(pose_json(frame));
-    times.push_back(frame.track_ms);
-    if (frame.color_pose.state == TrackState::lost) {
-      ++lost;
-    } else {
-      trajectory.push_back({frame.frame.color_timestamp_s, frame.color_pose.T_camera_world.inverse()});
-    }
+    run.results.push_back(pose_json(frame));
+    run.times.push_back(frame.track_ms);
+    if (frame.color_pose.state == TrackState::lost) continue;
+    run.trajectory.push_back({frame.frame.color_timestamp_s, frame.color_pose.T_camera_world.inverse()});
   }
-  if (auto done = write_trajectory(arguments.out, trajectory); !done) return done;
+}
+
+/// `done`: how the run ended; the frames before an error are told too.
+void report(const TrackArguments& arguments, const TrackRun& run, const Status& done) {
+  const std::size_t lost = run.results.size() - run.trajectory.size();
   if (arguments.json) {
-    print_json({{"frames", results}, {"lost", lost}, {"time_ms", spread_json(times)}});
-  } else {
-    std::cout << fmt::format("{} of {} frames tracked, {} lost; poses are in {}\n", trajectory.size(), results.size(),
-                             lost, arguments.out);
+    nlohmann::json json{{"frames", run.results}, {"lost", lost}, {"time_ms", spread_json(run.times)}};
+    if (!done) json["error"] = done.error().message;
+    print_json(json);
+    return;
   }
-  return {};
+  std::cout << fmt::format("{} of {} frames tracked, {} lost; poses are in {}\n", run.trajectory.size(),
+                           run.results.size(), lost, arguments.out);
+}
+
+Status track(const TrackArguments& arguments) {
+  auto frames = arguments.recording.open();
+  if (!frames) return fail(frames.error());
+  TrackRun run;
+  auto done = track_all(*frames, run);
+  if (done && run.trajectory.empty()) done = fail(kEveryFrameIsLost);
+  if (run.results.empty()) return done;
+  // Good poses of an earlier run are worth more than none.
+  if (!run.trajectory.empty()) {
+    const auto written = write_trajectory(arguments.out, run.trajectory);
+    if (done && !written) done = written;
+  }
+  report(arguments, run, done);
+  return done;
 }
 
 }  // namespace

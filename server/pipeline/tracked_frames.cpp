@@ -68,33 +68,38 @@ Result<std::optional<TrackedFrame>> TrackedFrames::track_one() {
   }
 }
 
-TrackedFrame TrackedFrames::finished(TrackedFrame frame, const TrackedPose& before, const TrackedPose& after) const {
+TrackedFrame TrackedFrames::finished(TrackedFrame frame, const ColorPoses& color) const {
+  const double time_s = frame.frame.depth_timestamp_s;
   if (trajectory_) {  // exact at the depth time itself
-    TrackedPose color = given_pose(*trajectory_, frame.frame.depth_timestamp_s);
-    frame.depth_pose = depth_pose_at(rig(), color, color, frame.frame.depth_timestamp_s);
+    const TrackedPose exact = given_pose(*trajectory_, time_s);
+    frame.depth_pose = depth_pose_at(rig(), {{}, exact, exact}, time_s);
   } else {
-    frame.depth_pose = depth_pose_at(rig(), before, after, frame.frame.depth_timestamp_s);
+    frame.depth_pose = depth_pose_at(rig(), color, time_s);
   }
   return frame;
 }
 
 Result<std::optional<TrackedFrame>> TrackedFrames::next() {
+  if (failure_) return fail(*failure_);
   if (!waiting_) {
     auto first = track_one();
     if (!first || !*first) return first;
     waiting_ = std::move(*first);
+    past_poses_.fill({.timestamp_s = waiting_->color_pose.timestamp_s});
   }
-  auto following = track_one();
-  if (!following) return fail(following.error());
+  auto read = track_one();
+  if (!read) failure_ = read.error();
+  std::optional<TrackedFrame> following = read ? std::move(*read) : std::nullopt;
 
   const TrackedPose present = waiting_->color_pose;
   const bool depth_is_later = waiting_->frame.depth_timestamp_s >= waiting_->frame.color_timestamp_s;
-  const bool look_ahead = depth_is_later && *following;
-  const TrackedPose before = look_ahead ? present : previous_pose_.value_or(present);
-  const TrackedPose after = look_ahead ? (*following)->color_pose : present;
-  TrackedFrame done = finished(std::move(*waiting_), before, after);
-  previous_pose_ = present;
-  waiting_ = std::move(*following);
+  const bool look_ahead = depth_is_later && following;
+  const auto& [earlier, previous] = past_poses_;
+  ColorPoses color{earlier, previous, present};
+  if (look_ahead) color = {previous, present, following->color_pose};
+  TrackedFrame done = finished(std::move(*waiting_), color);
+  past_poses_ = {previous, present};
+  waiting_ = std::move(following);
   return done;
 }
 

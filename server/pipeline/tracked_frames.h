@@ -1,5 +1,6 @@
 #pragma once
 // Frames with the depth camera's pose: capture and track, joined.
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -34,15 +35,17 @@ class TrackedFrames {
 
   [[nodiscard]] const Rig& rig() const { return source_->rig(); }
   /// Nothing at the end. With skip_unreadable a frame that cannot be read is left out with a warning; ten in a row, or
-  /// no other frame at all, are an error.
+  /// no other frame at all, are an error. An error comes after the frames that were read before it, and stays.
   [[nodiscard]] Result<std::optional<TrackedFrame>> next();
+  /// Whether `next` need not wait for the source.
+  [[nodiscard]] bool ready() const { return failure_ || source_->ready(); }
 
  private:
   TrackedFrames(std::unique_ptr<RgbdSource> source, std::optional<Trajectory> trajectory,
                 std::unique_ptr<RigTracker> tracker, bool skip_unreadable);
   [[nodiscard]] Result<std::optional<TrackedFrame>> track_one();
   [[nodiscard]] TrackedPose color_pose_of(const RgbdFrame& frame);
-  [[nodiscard]] TrackedFrame finished(TrackedFrame frame, const TrackedPose& before, const TrackedPose& after) const;
+  [[nodiscard]] TrackedFrame finished(TrackedFrame frame, const ColorPoses& color) const;
 
   std::unique_ptr<RgbdSource> source_;
   std::optional<Trajectory> trajectory_;
@@ -50,7 +53,9 @@ class TrackedFrames {
   bool skip_unreadable_;
   bool read_any_ = false;
   std::optional<TrackedFrame> waiting_;
-  std::optional<TrackedPose> previous_pose_;
+  std::optional<Error> failure_;
+  /// Of the two colour images before the waiting frame's; lost where there were none.
+  std::array<TrackedPose, 2> past_poses_;
 };
 
 }  // namespace meshloop

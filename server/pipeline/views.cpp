@@ -57,15 +57,22 @@ Result<std::vector<RegionThumbnail>> Views::thumbnails(const TrackedFrame& track
                            arguments_.options({}).palette);
 }
 
+OverlayOptions Views::options_of(const Examination& examination, const std::string& title) const {
+  OverlayOptions options = arguments_.options(title);
+  options.smallest_change_m = examination.smallest_change_m.value_or(0);
+  return options;
+}
+
 Result<ColorImage> Views::on_color(const TrackedFrame& tracked, const Examination& examination,
                                    const std::string& title) {
   return color_.draw(examination.comparison, tracked.frame.depth, tracked.frame.color, rig_at(tracked),
-                     &examination.regions, arguments_.options(title));
+                     &examination.regions, options_of(examination, title));
 }
 
 ColorImage Views::on_depth(const TrackedFrame& tracked, const Examination& examination,
                            const std::string& title) const {
-  return overlay_on_depth(examination.comparison, tracked.frame.depth, &examination.regions, arguments_.options(title));
+  return overlay_on_depth(examination.comparison, tracked.frame.depth, &examination.regions,
+                          options_of(examination, title));
 }
 
 }  // namespace meshloop

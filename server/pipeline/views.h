@@ -44,6 +44,7 @@ class Views {
  private:
   Views(ColorOverlay color, Rig rig, ViewArguments arguments);
 
+  [[nodiscard]] OverlayOptions options_of(const Examination& examination, const std::string& title) const;
   /// The rig moves between the two exposures.
   [[nodiscard]] Rig rig_at(const TrackedFrame& tracked) const;
 

@@ -20,6 +20,19 @@ double solid_difference_m(const OverlayOptions& options) {
   return 1 / std::clamp(opacity, kSmallest_per_m, kLargest_per_m);
 }
 
+double bar_end_m(const OverlayOptions& options) {
+  constexpr double kLargest_m = 1000;
+  const double solid = solid_difference_m(options);
+  const double wanted = 2 * options.smallest_change_m;
+  if (!(wanted > solid) || wanted > kLargest_m) return solid;
+  // The next of 1, 2, 5, 10, ...
+  const double decade = std::pow(10, std::floor(std::log10(wanted)));
+  for (const double step : {1.0, 2.0, 5.0}) {
+    if (wanted <= step * decade * (1 + 1e-9)) return step * decade;
+  }
+  return 10 * decade;
+}
+
 Paint::Paint(const OverlayOptions& options) {
   const double given = std::isfinite(options.constant_alpha) ? options.constant_alpha : 0.0;
   const double constant = std::clamp(given, 0.0, 1.0);

@@ -13,6 +13,9 @@ namespace meshloop::show {
 /// The difference from which on a colour is solid, in metres; finite and positive whatever the opacity is.
 [[nodiscard]] double solid_difference_m(const OverlayOptions& options);
 
+/// Where the colour bar ends, in metres: at solid_difference_m, or farther for the smallest change's sake.
+[[nodiscard]] double bar_end_m(const OverlayOptions& options);
+
 /// Covers pixels with the colours of their labels. alpha = |difference| * opacity, clamped to 1, or constant (label.h
 /// says which); missing measurements get half the constant: they are often large, and are no change.
 class Paint {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <vector>
@@ -31,6 +32,22 @@ std::vector<Entry> entries_of(const std::array<bool, kLabels.size()>& shown, con
     entries.push_back({color_of(label.label, options.palette), std::string{label.name}, std::string{label.meaning}});
   }
   return entries;
+}
+
+/// Numbers along the bar: millimetres, or metres where these would be thousands.
+struct BarUnit {
+  const char* name;
+  double per_m;
+};
+
+BarUnit bar_unit(const OverlayOptions& options) {
+  return bar_end_m(options) < 0.999 ? BarUnit{"mm", 1000} : BarUnit{"m", 1};
+}
+
+/// "+12.5", "-1000": three digits that say something, never an exponent.
+std::string tick_text(double value) {
+  if (value == 0) return "0";
+  return std::abs(value) < 999.5 ? fmt::format("{:+.3g}", value) : fmt::format("{:+.0f}", value);
 }
 
 /// Draws from the top down; with a null image it only measures.
@@ -65,7 +82,7 @@ class Layout {
   }
 
   void bar(const OverlayOptions& options) {
-    const std::string caption = "measured - model, mm";
+    const std::string caption = fmt::format("measured - model, {}", bar_unit(options).name);
     const std::string nearer{info(Label::closer).name};
     const std::string beyond{info(Label::farther).name};
     const int left = margin_ + pen_.size_of(caption).width + pen_.size_of(nearer).width + pen_.px(28);
@@ -117,11 +134,12 @@ class Layout {
 
   void ramp(const cv::Rect& box, const OverlayOptions& options) {
     if (!image_) return;
-    const double solid = solid_difference_m(options);
+    const double end = bar_end_m(options);
     const Paint paint{options};
     for (int x = 0; x < box.width; ++x) {
-      const double difference = (2.0 * x / std::max(1, box.width - 1) - 1) * solid;
-      const Label label = difference < 0 ? Label::closer : Label::farther;
+      const double difference = (2.0 * x / std::max(1, box.width - 1) - 1) * end;
+      const bool is_shown = std::abs(difference) >= options.smallest_change_m;
+      const Label label = !is_shown ? Label::agrees : difference < 0 ? Label::closer : Label::farther;
       const Rgb8 color = paint.cover(kMidGrey, label, static_cast<float>(difference));
       cv::line(*image_, {box.x + x, box.y}, {box.x + x, box.y + box.height - 1}, scalar(color));
     }
@@ -129,11 +147,11 @@ class Layout {
   }
 
   void ticks(int left, int right, const OverlayOptions& options) {
-    const double solid_mm = solid_difference_m(options) * 1000;
+    const double end = bar_end_m(options) * bar_unit(options).per_m;
     for (int k = -2; k <= 2; ++k) {
       const int x = left + (right - 1 - left) * (k + 2) / 4;
       if (image_) cv::line(*image_, {x, y_}, {x, y_ + pen_.px(4)}, scalar(kInk));
-      const auto text = k == 0 ? std::string{"0"} : fmt::format("{:+.3g}", solid_mm * k / 2);
+      const auto text = tick_text(end * k / 2);
       write(text, x - pen_.size_of(text).width / 2, y_ + pen_.px(18), kInk);
     }
   }

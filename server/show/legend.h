@@ -6,7 +6,7 @@
 namespace meshloop::show {
 
 /// Title, swatches with the names and meanings of the labels that are shown, and a bar with the law of opacity in
-/// millimetres; `width` pixels wide, as high as needed. width is at least 300.
+/// millimetres or metres; `width` pixels wide, as high as needed. width is at least 300.
 [[nodiscard]] ColorImage draw_legend(int width, const std::array<bool, kLabels.size()>& shown,
                                      const OverlayOptions& options);
 

@@ -20,6 +20,9 @@ struct OverlayOptions {
   double opacity_per_m = 25;
   /// Alpha of labels that have no difference.
   double constant_alpha = 0.45;
+  /// The smallest change that can be told, in metres (0: unknown). The bar reaches twice as far at least, so that it
+  /// has differences that the picture can show.
+  double smallest_change_m = 0;
   /// Legend and colour bar below the picture.
   bool legend = true;
   /// A line of text above the legend, for example "frame 12, 3 sigma".

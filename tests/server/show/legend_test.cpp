@@ -59,6 +59,35 @@ TEST(Paint, MixesAndCoversExactly) {
   EXPECT_NEAR(half.g, 60, 1);
 }
 
+TEST(Legend, TheBarEndsWhereColorsAreSolidOrBeyondALargeThreshold) {
+  OverlayOptions options;
+  options.opacity_per_m = 25;
+  const auto end_with = [&](double smallest_change_m) {
+    options.smallest_change_m = smallest_change_m;
+    return show::bar_end_m(options);
+  };
+  for (const double small : {0.0, 0.003, 0.02, -1.0, std::numeric_limits<double>::quiet_NaN(), 1e30}) {
+    EXPECT_DOUBLE_EQ(end_with(small), 0.04) << small;
+  }
+  EXPECT_DOUBLE_EQ(end_with(0.021), 0.05);
+  EXPECT_DOUBLE_EQ(end_with(0.05), 0.1);
+  EXPECT_DOUBLE_EQ(end_with(0.06), 0.2);
+  EXPECT_DOUBLE_EQ(end_with(1), 2);
+}
+
+TEST(Legend, TheBarIsGreyWhereNothingCanBeSeen) {
+  const auto greys = [](double smallest_change_m) {
+    OverlayOptions options;
+    options.smallest_change_m = smallest_change_m;
+    const auto legend = show::draw_legend(640, {}, options);
+    return std::count_if(legend.pixels().begin(), legend.pixels().end(),
+                         [](const Rgb8& p) { return p.r == p.g && p.g == p.b && p.r > 100 && p.r < 160; });
+  };
+  // The bar is 12 pixels high or more; a quarter of its half is 10 mm.
+  EXPECT_GT(greys(0.02), greys(0.01) + 500);
+  EXPECT_GT(greys(0.01), greys(0) + 500);
+}
+
 TEST(Legend, ShowsTheSwatchesOfTheLabelsThatAreSeen) {
   const auto has = [](const ColorImage& legend, Rgb8 color) {
     return std::find(legend.pixels().begin(), legend.pixels().end(), color) != legend.pixels().end();
