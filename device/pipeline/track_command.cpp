@@ -61,15 +61,17 @@ class Views {
   std::vector<VirtualObject> objects_;
 };
 
+/// `done`: how the run ended; the frames before an error are told too.
 void report(const TrackArguments& arguments, const TrackingSession& session, const nlohmann::json& truth,
-            const ImportedModel& model) {
+            const ImportedModel& model, const Status& done) {
   std::vector<double> times;
   for (const auto& record : session.records()) times.push_back(record.time_ms);
-  const nlohmann::json json{{"frames", session.frames_json()},
-                            {"lost", session.lost_frames()},
-                            {"time_ms", spread_json(times)},
-                            {"truth", truth},
-                            {"model", import_json(model)}};
+  nlohmann::json json{{"frames", session.frames_json()},
+                      {"lost", session.lost_frames()},
+                      {"time_ms", spread_json(times)},
+                      {"truth", truth},
+                      {"model", import_json(model)}};
+  if (!done) json["error"] = done.error().message;
   if (arguments.json) {
     print_json(json);
     return;
@@ -115,12 +117,17 @@ Status track(const TrackArguments& arguments) {
     if (!made) return fail(made.error());
     views = std::move(*made);
   }
-  if (auto done = track_all(**source, *session, model, views); !done) return done;
+  auto done = track_all(**source, *session, model, views);
+  if (session->records().empty()) return done;
   const Trajectory trajectory = session->trajectory();
-  if (auto done = write_trajectory(arguments.out, trajectory); !done) return done;
-  report(arguments, *session, truth_json(trajectory, (*source)->recording().ground_truth()), *imported);
-  if (!trajectory.empty()) return {};
-  return fail("every frame is lost; do --init and the model fit the recording?");
+  if (done && trajectory.empty()) done = fail("every frame is lost; do --init and the model fit the recording?");
+  // Good poses of an earlier run are worth more than none.
+  if (!trajectory.empty()) {
+    const auto written = write_trajectory(arguments.out, trajectory);
+    if (done && !written) done = written;
+  }
+  report(arguments, *session, truth_json(trajectory, (*source)->recording().ground_truth()), *imported, done);
+  return done;
 }
 
 }  // namespace

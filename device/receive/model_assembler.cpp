@@ -110,7 +110,7 @@ std::shared_ptr<const ReceivedModel> ModelAssembler::add(SceneSamples samples) {
   if (samples.manifest) state_->take(std::move(*samples.manifest));
   for (auto& payload : samples.payloads) {
     state_->take(payload);
-    payload.bytes = {};
+    payload.bytes = std::vector<std::byte>{};
   }
   return state_->complete();
 }

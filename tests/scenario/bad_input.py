@@ -1,4 +1,5 @@
 """Bad input of every kind: one clear sentence, the exit code of the design (1 failed, 2 wrong usage), never a crash."""
+import json
 import pathlib
 import shutil
 
@@ -55,7 +56,16 @@ programs.check(small.returncode == 1 and len(small.stderr.splitlines()) == 1 and
                f"a file that may not grow: exit {small.returncode}: {small.stderr}")
 print("-- usage")
 refused("no subcommand", 2, STATION)
+refused("an unknown subcommand", 2, STATION, "detekt", "--model", model, says="'detekt' is no subcommand")
+refused("an unknown subcommand of scene", 2, STATION, "scene", "look", "--scene", path / "x.db", says="'look' is no subcommand of scene")
 refused("unknown option", 2, STATION, "detect", "--nonsense")
+for option in ("--markers", "--poses", "--rig", "--sensor", "--init", "--truth"):
+    refused(f"an empty {option}", 2, *detect(option, ""), says=option + " ")
+refused("an empty --frames", 2, *detect(frames=""), says="--frames ")
+refused("an empty --accept", 2, STATION, "adjust", "--scene", path / "x.db", "--recording", station, "--frames", "0", "--accept", "",
+        says="--accept ")
+refused("an empty folder for pictures", 2, DEVICE, "track", "--model", model, "--recording", data / "device_after_move",
+        "--init", "pose:0,0,0,0,0,0,1", "--out", path / "p.txt", "--draw=", says="--draw ")
 refused("unknown threshold", 2, *detect("--threshold", "2 apples"))
 refused("negative threshold", 2, *detect("--threshold=-0.1"))
 refused("a threshold of three metres", 2, *detect("--threshold", "3"), says="3sigma")
@@ -90,6 +100,9 @@ refused("a size that is none", 2, STATION, "simulate", "--out", path / "s", "--c
 refused("pictures of four pixels", 2, STATION, "simulate", "--out", path / "s", "--depth-size", "4x4", says="4x4")
 refused("an unknown palette", 2, *detect("--palette", "rainbow"))
 refused("an opacity below nothing", 2, *detect("--opacity=-1"))
+blind = programs.run(*detect("--threshold", "100sigma", "--model-sigma", "0.1"))
+programs.check(blind.returncode == 0 and "nothing can be told at this threshold" in blind.stdout and "0.25 m" in blind.stdout,
+               f"a threshold above all that can be told: exit {blind.returncode}: {blind.stdout}")
 
 print("-- models")
 refused("no such model", 1, *detect(the_model=path / "none.ply"), says="none.ply")
@@ -128,6 +141,44 @@ first = "000001.png"
 cut = damaged_recording("cut", f"depth/{first}", (station / "depth" / first).read_bytes()[:2000])
 refused("a truncated PNG", 1, *detect(frames="0-2", recording=cut), says=first)
 
+print("-- what was done before an error")
+
+
+def reported(name, *command):
+    """The JSON of a command that fails at frame 3."""
+    result = programs.run(*command, "--json", timeout=200)
+    told = json.loads(result.stdout) if result.stdout else {}
+    programs.check(result.returncode == 1 and "000003.png" in told.get("error", ""), f"{name} ends with the error: {result.stderr}")
+    programs.check([frame["index"] for frame in told.get("frames", [])] == [0, 1, 2], f"{name} reports the frames before it")
+    return told
+
+
+damaged = damaged_recording("damaged", "depth/000003.png", b"no picture")
+stale = ("labels_000077.png", "overlay_depth_000077.png", "region_0077.png")
+kept = ("labels_77.png", "labels_000077.png.txt", "difference_mine.tiff", "notes.txt")
+for name in stale + kept:
+    write(f"out/{name}", "x")
+(path / "out" / "overlay_000078.png").mkdir()
+told = reported("detect", *detect(recording=damaged, frames="0-5"))
+left = {file.name for file in (path / "out").iterdir()}
+programs.check(not left & set(stale) and set(kept) < left and "overlay_000078.png" in left and told.get("removed_files", 0) >= 3,
+               f"detect removes its own files of an earlier run, and nothing else: {sorted(left)}")
+(path / "out" / "overlay_000078.png").rmdir()
+poses = path / "damaged.txt"
+reported("track", STATION, "track", "--recording", damaged, "--markers", data / "markers.yaml", "--out", poses)
+programs.check(poses.exists() and len([line for line in poses.read_text().splitlines() if line[0] != "#"]) == 3,
+               "track writes the poses before it")
+told = reported("adjust", STATION, "adjust", "--scene", path / "small.db", "--recording", damaged, "--frames", "0-5", "--accept", "all")
+programs.check(told.get("revision", 0) > 1, "adjust tells the revision that it made before it")
+
+print("-- every frame lost")
+other = write("other.yaml", (data / "markers.yaml").read_text().replace("DICT_4X4", "DICT_5X5"))
+refused("track without a marker that is known", 1, STATION, "track", "--recording", station, "--markers", other, "--out", path / "p.txt",
+        says="every frame is lost")
+refused("detect without a marker that is known", 1, *detect("--markers", other), says="every frame is lost")
+refused("adjust without a marker that is known", 1, STATION, "adjust", "--scene", path / "small.db", "--recording", station,
+        "--frames", "0", "--markers", other, says="every frame is lost")
+
 print("-- scene files")
 scene = path / "scene.db"
 imported = programs.run(STATION, "scene", "import", "--scene", scene, model, timeout=200)
@@ -139,10 +190,17 @@ refused("half a scene", 1, STATION, "scene", "info", "--scene", write("half.db",
 for offset in range(100, len(content), max(1, len(content) // 40)):
     content[offset] ^= 0x5A
 refused("a scene with flipped bytes", 1, STATION, "scene", "info", "--scene", write("flipped.db", bytes(content)))
+twice = programs.run(STATION, "adjust", "--scene", scene, "--recording", station, "--frames", "0", "--accept", "1,1", timeout=200)
+programs.check(twice.returncode == 0 and "revision 2" in twice.stdout, f"an id that is given twice counts once: {twice.stdout}{twice.stderr}")
+undone = programs.run(STATION, "scene", "undo", "--scene", scene)
+log = programs.run(STATION, "scene", "log", "--scene", scene).stdout
+programs.check("operator: undo of revision 2" in log, "an undo has an author: " + log)
+programs.run(STATION, "scene", "redo", "--scene", scene)
 refused("nothing to undo to", 1, STATION, "scene", "redo", "--scene", scene)
 refused("an export of no known kind", 1, STATION, "scene", "export", "--scene", scene, path / "out.xyz")
 refused("an export into nowhere", 1, STATION, "scene", "export", "--scene", scene, path / "no" / "such" / "folder.glb")
 refused("an export of no such revision", 1, STATION, "scene", "export", "--revision", 99, "--scene", scene, path / "o.glb")
+refused("an export of a negative revision", 2, STATION, "scene", "export", "--revision=-1", "--scene", scene, path / "o.glb", says="-1 is")
 
 print("-- folders")
 blocked = write("blocked", "a file")
