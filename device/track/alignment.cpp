@@ -53,20 +53,34 @@ Observations observe(const RenderedView& view, const Picture& picture, const Rou
   return found;
 }
 
-void count_votes(Alignment& now, const Observations& found, const Camera& camera) {
-  const auto agrees = [&](const PointObservation& point) {
-    const Eigen::Vector3d p_camera = now.T_camera_world * point.p_world;
-    return p_camera.z() > 0 && (camera.project(p_camera) - point.pixel).norm() <= kPointAgrees_px;
-  };
-  const auto edge_agrees = [&](const EdgeObservation& edge) {
-    return std::abs(edge_error_px(edge, camera, now.T_camera_world)) <= kEdgeAgrees_px;
-  };
-  now.matches = {static_cast<int>(found.matches.size()),
-                 static_cast<int>(std::count_if(found.matches.begin(), found.matches.end(), agrees))};
-  now.edges = {static_cast<int>(found.edges.size()),
-               static_cast<int>(std::count_if(found.edges.begin(), found.edges.end(), edge_agrees))};
-  now.followed = {count_trusted(now.features),
-                  count_agreeing(now.features, camera, now.T_camera_world, kPointAgrees_px)};
+bool agrees(const PointObservation& point, const Camera& camera, const Pose& T_camera_world) {
+  const Eigen::Vector3d p_camera = T_camera_world * point.p_world;
+  return p_camera.z() > 0 && (camera.project(p_camera) - point.pixel).norm() <= kPointAgrees_px;
+}
+
+bool agrees(const EdgeObservation& edge, const Camera& camera, const Pose& T_camera_world) {
+  return std::abs(edge_error_px(edge, camera, T_camera_world)) <= kEdgeAgrees_px;
+}
+
+/// Takes those at stale places out of the list.
+template <class Observation>
+std::vector<Observation> take_stale(std::vector<Observation>& observations, const StalePlaces& stale) {
+  const auto first = std::stable_partition(observations.begin(), observations.end(),
+                                           [&](const auto& each) { return !stale.contains(each.p_world); });
+  std::vector<Observation> taken(first, observations.end());
+  observations.erase(first, observations.end());
+  return taken;
+}
+
+template <class Observation>
+Votes votes_of(const std::vector<Observation>& observations, const Camera& camera, Alignment& now) {
+  Votes votes{static_cast<int>(observations.size()), 0};
+  for (const auto& each : observations) {
+    const bool agreed = agrees(each, camera, now.T_camera_world);
+    votes.agreeing += agreed ? 1 : 0;
+    now.verdicts.push_back({each.p_world, agreed});
+  }
+  return votes;
 }
 
 /// With a wide gate, and then with a narrow one when that still fixes the pose.
@@ -80,26 +94,43 @@ std::optional<JointPose> solve_twice(const std::vector<PointObservation>& points
   return kept_most ? second : first;
 }
 
+/// How far the pose moved the picture.
+double move_px(const std::vector<EdgeObservation>& edges, const Camera& camera, const Pose& from, const Pose& to) {
+  double moved_px = 0;
+  for (const auto& edge : edges) {
+    const Eigen::Vector3d before = from * edge.p_world;
+    const Eigen::Vector3d after = to * edge.p_world;
+    if (after.z() > 0) moved_px = std::max(moved_px, (camera.project(after) - camera.project(before)).norm());
+  }
+  return moved_px;
+}
+
 /// Draws, observes, solves. How far the pose moved the picture, in pixels; nothing when it could not be solved.
-std::optional<double> correct(Alignment& now, SceneRenderer& renderer, const Model& model, const Camera& camera,
-                              const Picture& picture, const FeatureSet& features, const Round& round) {
-  now.view = render_view(renderer, model, camera, now.T_camera_world);
+std::optional<double> correct(Alignment& now, const Reference& reference, const Picture& picture,
+                              const FeatureSet& features, const Round& round) {
+  const Camera& camera = reference.camera;
+  now.view = render_view(reference.renderer, reference.model, camera, now.T_camera_world);
   now.features = on_surface(features, now.view);
-  const Observations found = observe(now.view, picture, round);
+  Observations found = observe(now.view, picture, round);
+  const auto stale_matches = take_stale(found.matches, reference.stale);
+  const auto stale_edges = take_stale(found.edges, reference.stale);
+  auto followed = observations_of(now.features, kFollowedSigma_px);
+  take_stale(followed, reference.stale);
   auto points = found.matches;
-  const auto followed = observations_of(now.features, kFollowedSigma_px);
   points.insert(points.end(), followed.begin(), followed.end());
   const auto pose = solve_twice(points, found.edges, camera, now.T_camera_world, round.gate_px);
   if (!pose) return std::nullopt;
-  double moved_px = 0;
-  for (const auto& edge : found.edges) {
-    const Eigen::Vector3d before = now.T_camera_world * edge.p_world;
-    const Eigen::Vector3d after = pose->T_camera_world * edge.p_world;
-    if (after.z() > 0) moved_px = std::max(moved_px, (camera.project(after) - camera.project(before)).norm());
-  }
+  const double moved_px = move_px(found.edges, camera, now.T_camera_world, pose->T_camera_world);
   now.T_camera_world = pose->T_camera_world;
   now.covariance = pose->covariance;
-  count_votes(now, found, camera);
+  now.verdicts.clear();
+  votes_of(stale_matches, camera, now);
+  votes_of(stale_edges, camera, now);
+  now.matches = votes_of(found.matches, camera, now);
+  now.edges = votes_of(found.edges, camera, now);
+  const auto followed_agree = std::count_if(
+      followed.begin(), followed.end(), [&](const auto& point) { return agrees(point, camera, now.T_camera_world); });
+  now.followed = {static_cast<int>(followed.size()), static_cast<int>(followed_agree)};
   return moved_px;
 }
 
@@ -121,24 +152,21 @@ double Alignment::agreeing_share() const {
   return found > 0 ? (matches.agreeing + followed.agreeing + edges.agreeing / 4.0) / found : 0;
 }
 
-std::optional<Alignment> align_closely(SceneRenderer& renderer, const Model& model, const Camera& camera,
-                                       const Picture& picture, const Pose& start, const FeatureSet& features) {
+std::optional<Alignment> align_closely(const Reference& reference, const Picture& picture, const Pose& start,
+                                       const FeatureSet& features) {
   Alignment now;
   now.T_camera_world = start;
-  auto moved_px = correct(now, renderer, model, camera, picture, features, close_round());
-  if (moved_px && *moved_px > kRepeatAbove_px) {
-    moved_px = correct(now, renderer, model, camera, picture, features, close_round());
-  }
+  auto moved_px = correct(now, reference, picture, features, close_round());
+  if (moved_px && *moved_px > kRepeatAbove_px) moved_px = correct(now, reference, picture, features, close_round());
   if (!moved_px) return std::nullopt;
   return now;
 }
 
-std::optional<Alignment> align_widely(SceneRenderer& renderer, const Model& model, const Camera& camera,
-                                      const Picture& picture, const Pose& start) {
+std::optional<Alignment> align_widely(const Reference& reference, const Picture& picture, const Pose& start) {
   Alignment now;
   now.T_camera_world = start;
   for (const auto& round : wide_rounds()) {
-    if (!correct(now, renderer, model, camera, picture, {}, round)) return std::nullopt;
+    if (!correct(now, reference, picture, {}, round)) return std::nullopt;
   }
   return now;
 }

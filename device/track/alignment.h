@@ -7,6 +7,7 @@
 #include "device/track/edge_match.h"
 #include "device/track/feature_set.h"
 #include "device/track/pose_solver.h"
+#include "device/track/stale_places.h"
 
 namespace meshloop {
 
@@ -26,6 +27,15 @@ struct Votes {
   int agreeing = 0;
 };
 
+/// What a picture is held to.
+struct Reference {
+  SceneRenderer& renderer;
+  const Model& model;
+  const Camera& camera;
+  /// What lies there has no say.
+  const StalePlaces& stale;
+};
+
 struct Alignment {
   Pose T_camera_world = Pose::Identity();
   PoseCovariance covariance = PoseCovariance::Zero();
@@ -36,6 +46,8 @@ struct Alignment {
   Votes matches;
   Votes edges;
   Votes followed;
+  /// On the model wherever it was looked for, at stale places too.
+  std::vector<Verdict> verdicts;
 
   /// Agreeing observations. Edges count a quarter: neighbours on one edge say nearly the same, and a step of brightness
   /// is found easily.
@@ -45,12 +57,11 @@ struct Alignment {
 };
 
 /// From a pose that is right to a few pixels: draws the model once, and once more when it was farther off than that.
-[[nodiscard]] std::optional<Alignment> align_closely(SceneRenderer& renderer, const Model& model, const Camera& camera,
-                                                     const Picture& picture, const Pose& start,
-                                                     const FeatureSet& features);
+[[nodiscard]] std::optional<Alignment> align_closely(const Reference& reference, const Picture& picture,
+                                                     const Pose& start, const FeatureSet& features);
 
 /// From a pose that is right to a few centimetres and degrees.
-[[nodiscard]] std::optional<Alignment> align_widely(SceneRenderer& renderer, const Model& model, const Camera& camera,
-                                                    const Picture& picture, const Pose& start);
+[[nodiscard]] std::optional<Alignment> align_widely(const Reference& reference, const Picture& picture,
+                                                    const Pose& start);
 
 }  // namespace meshloop

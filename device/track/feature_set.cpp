@@ -131,15 +131,4 @@ std::vector<PointObservation> observations_of_all(const FeatureSet& features, do
   return observations;
 }
 
-int count_trusted(const FeatureSet& features) {
-  return static_cast<int>(
-      std::count_if(features.begin(), features.end(), [](const Feature& feature) { return feature.trusted; }));
-}
-
-int count_agreeing(const FeatureSet& features, const Camera& camera, const Pose& T_camera_world, double max_error_px) {
-  return static_cast<int>(std::count_if(features.begin(), features.end(), [&](const Feature& feature) {
-    return feature.trusted && error_px(feature, camera, T_camera_world) <= max_error_px;
-  }));
-}
-
 }  // namespace meshloop

@@ -46,10 +46,4 @@ using FeatureSet = std::vector<Feature>;
 /// All of them, for a pose to begin with.
 [[nodiscard]] std::vector<PointObservation> observations_of_all(const FeatureSet& features, double sigma_px);
 
-[[nodiscard]] int count_trusted(const FeatureSet& features);
-
-/// How many trusted features lie within `max_error_px` of where the pose projects them.
-[[nodiscard]] int count_agreeing(const FeatureSet& features, const Camera& camera, const Pose& T_camera_world,
-                                 double max_error_px);
-
 }  // namespace meshloop

@@ -19,6 +19,8 @@ constexpr double kMaxSpread_rad = 0.05;
 constexpr double kShareToStart = 0.5;
 constexpr double kShareToGoOn = 0.35;
 constexpr int kMaxDoubtfulFrames = 5;
+/// The share of the last frame's inliers that a new revision must leave; below it the pose is looked for afresh.
+constexpr double kShareToStay = 0.6;
 /// A pose predicted over more frames than this is no better than the last one.
 constexpr double kLongestPrediction = 3;
 constexpr std::size_t kViewsToTry = 2;
@@ -64,7 +66,10 @@ class FeatureModelTracker final : public ModelTracker {
                                             const Pose& prediction) const;
   [[nodiscard]] std::vector<Pose> places_to_try(const Picture& picture, double timestamp_s) const;
   [[nodiscard]] std::optional<Alignment> recover(const Model& model, const Picture& picture, double timestamp_s);
+  [[nodiscard]] Reference reference(const Model& model) const { return {*renderer_, model, camera_, stale_}; }
   [[nodiscard]] bool is_sure(const std::optional<Alignment>& found) const;
+  [[nodiscard]] std::optional<Alignment> better_of(std::optional<Alignment> found, const Model& model,
+                                                   const Picture& picture) const;
   [[nodiscard]] std::optional<Alignment> found_from(const Model& model, const Picture& picture,
                                                     const Pose& start) const;
   [[nodiscard]] TrackedPose accept(Alignment found, Picture picture, double timestamp_s, TrackState state);
@@ -78,9 +83,13 @@ class FeatureModelTracker final : public ModelTracker {
   /// The last pose that is known, and the one before it while there is a velocity.
   TimedPose last_;
   std::optional<TimedPose> before_;
+  int last_inliers_ = 0;
   GreyImage last_grey_;
   FeatureSet features_;
   KnownViews known_views_;
+  /// Of the model with this revision.
+  StalePlaces stale_;
+  Revision revision_ = 0;
   int doubtful_frames_ = 0;
   /// Since the pose was lost.
   unsigned wide_searches_ = 0;
@@ -89,6 +98,7 @@ class FeatureModelTracker final : public ModelTracker {
 void FeatureModelTracker::start_at(const Pose& T_camera_world) {
   features_.clear();
   before_.reset();
+  stale_.clear();
   doubtful_frames_ = 0;
   mode_ = is_rigid(T_camera_world) ? Mode::starting : Mode::idle;
   last_.T_camera_world = T_camera_world;
@@ -102,9 +112,18 @@ bool FeatureModelTracker::is_sure(const std::optional<Alignment>& found) const {
 std::optional<Alignment> FeatureModelTracker::found_from(const Model& model, const Picture& picture,
                                                          const Pose& start) const {
   // The smallest correction that fits wins: a wide search also finds an object that was moved, and would follow it.
-  if (auto found = align_closely(*renderer_, model, camera_, picture, start, {}); is_sure(found)) return found;
-  if (auto found = align_widely(*renderer_, model, camera_, picture, start); is_sure(found)) return found;
+  if (auto found = align_closely(reference(model), picture, start, {}); is_sure(found)) return found;
+  if (auto found = align_widely(reference(model), picture, start); is_sure(found)) return found;
   return std::nullopt;
+}
+
+std::optional<Alignment> FeatureModelTracker::better_of(std::optional<Alignment> found, const Model& model,
+                                                        const Picture& picture) const {
+  if (!found || found->inliers() >= kShareToStay * last_inliers_) return found;
+  // A pose that fitted the old model and fits the new one much less may have been held by what was just mended.
+  auto elsewhere = align_widely(reference(model), picture, found->T_camera_world);
+  const bool is_better = is_sure(elsewhere) && elsewhere->inliers() > found->inliers();
+  return is_better ? std::move(elsewhere) : std::move(found);
 }
 
 std::optional<Pose> FeatureModelTracker::pose_of(const std::vector<PointObservation>& followed,
@@ -126,12 +145,12 @@ std::optional<Alignment> FeatureModelTracker::go_on(const Model& model, const Pi
   const auto start = trusted ? trusted : pose_of(observations_of_all(followed, 1), prediction);
   std::optional<Alignment> found;
   if (start) {
-    found = align_closely(*renderer_, model, camera_, picture, *start, trusted ? followed : on_probation(followed));
+    found = align_closely(reference(model), picture, *start, trusted ? followed : on_probation(followed));
     if (is_sure(found)) return found;
   }
   if (!trusted) return found_from(model, picture, prediction);
   // What is followed may lie on something that the model does not have; the model itself then says so.
-  auto without = align_closely(*renderer_, model, camera_, picture, prediction, {});
+  auto without = align_closely(reference(model), picture, prediction, {});
   return is_sure(without) ? without : found;
 }
 
@@ -149,11 +168,11 @@ std::vector<Pose> FeatureModelTracker::places_to_try(const Picture& picture, dou
 std::optional<Alignment> FeatureModelTracker::recover(const Model& model, const Picture& picture, double timestamp_s) {
   const std::vector<Pose> places = places_to_try(picture, timestamp_s);
   for (const Pose& place : places) {
-    if (auto found = align_closely(*renderer_, model, camera_, picture, place, {}); is_sure(found)) return found;
+    if (auto found = align_closely(reference(model), picture, place, {}); is_sure(found)) return found;
   }
   // A wide search takes as long as all of these: one for each frame, from another place each time.
   const Pose& place = places[wide_searches_++ % places.size()];
-  if (auto found = align_widely(*renderer_, model, camera_, picture, place); is_sure(found)) return found;
+  if (auto found = align_widely(reference(model), picture, place); is_sure(found)) return found;
   return std::nullopt;
 }
 
@@ -180,6 +199,7 @@ TrackedPose FeatureModelTracker::accept(Alignment found, Picture picture, double
   const bool doubtful = doubtful_frames_ > kMaxDoubtfulFrames;
   if (result.inliers < options_.min_inliers || !is_certain(result.covariance) || doubtful) return lose(timestamp_s);
 
+  if (result.quality >= kShareToStart) stale_.judge(found.verdicts);
   features_ = judged(std::move(found.features), camera_, T_camera_world);
   features_ = replenished(std::move(features_), picture.grey, picture.contrast, found.view, T_camera_world,
                           options_.max_features);
@@ -190,6 +210,7 @@ TrackedPose FeatureModelTracker::accept(Alignment found, Picture picture, double
   }
   mode_ = Mode::tracking;
   last_ = {timestamp_s, T_camera_world};
+  last_inliers_ = result.inliers;
   last_grey_ = std::move(picture.grey);
   known_views_.remember(T_camera_world, last_grey_, features_);
   return result;
@@ -198,6 +219,9 @@ TrackedPose FeatureModelTracker::accept(Alignment found, Picture picture, double
 TrackedPose FeatureModelTracker::track(const ColorFrame& frame, const std::shared_ptr<const Model>& model) {
   const bool fits = frame.color.width() == camera_.width && frame.color.height() == camera_.height;
   if (!fits || !model || model->nodes.empty() || mode_ == Mode::idle) return lose(frame.timestamp_s);
+  const bool is_new = std::exchange(revision_, model->revision) != model->revision;
+  // What was stale may just have been mended.
+  if (is_new) stale_.clear();
   Picture picture{frame.color};
   std::optional<Alignment> found;
   TrackState state = TrackState::tracking;
@@ -205,6 +229,7 @@ TrackedPose FeatureModelTracker::track(const ColorFrame& frame, const std::share
     found = found_from(*model, picture, last_.T_camera_world);
   } else if (mode_ == Mode::tracking) {
     found = go_on(*model, picture, frame.timestamp_s);
+    if (is_new) found = better_of(std::move(found), *model, picture);
     wide_searches_ = 0;
   } else {
     found = recover(*model, picture, frame.timestamp_s);
