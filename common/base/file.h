@@ -17,8 +17,9 @@ namespace meshloop {
 
 /// Replaces the file's content. A folder that is missing, a write that is refused and a full disk are errors; what
 /// stood there before stays then. The bytes are written to a temporary file beside the target (".NAME.NUMBER.part"),
-/// which is renamed, or removed after an error. They are written in place through links, into pipes and devices, into a
-/// file that has another name too, and where no file can be made beside it. A file that may not be written stays.
+/// which is renamed, or removed after an error; so the file belongs to who wrote it last. They are written in place,
+/// and an error may leave a part of them there, through links, into pipes and devices, into a file that has another
+/// name too, and where no file can be made beside it. A file that may not be written stays.
 [[nodiscard]] Status write_file(const std::filesystem::path& file, std::span<const std::byte> bytes);
 [[nodiscard]] Status write_text_file(const std::filesystem::path& file, const std::string& text);
 /// The same, and brought to the disk: after a loss of power the old bytes or all of the new ones stand there. Never in

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
+#include <iterator>
 #include <utility>
-
-#include "device/track/local_contrast.h"
 
 namespace meshloop {
 namespace {
@@ -19,7 +17,6 @@ constexpr double kFollowedSigma_px = 1.2;
 /// Larger than an edge's own error: a dozen samples of one edge share what is wrong with it.
 constexpr double kEdgeSigma_px = 1.2;
 constexpr int kEdgeSpacing_px = 6;
-constexpr double kBlur_px = 1.0;
 constexpr double kRepeatAbove_px = 3;
 /// Of the second solution from the same observations: right edges lie within a third of a pixel, and a long wrong one
 /// (a shadow's border beside a real edge) must not bear on the pose.
@@ -62,25 +59,27 @@ bool agrees(const EdgeObservation& edge, const Camera& camera, const Pose& T_cam
   return std::abs(edge_error_px(edge, camera, T_camera_world)) <= kEdgeAgrees_px;
 }
 
-/// Takes those at stale places out of the list.
 template <class Observation>
-std::vector<Observation> take_stale(std::vector<Observation>& observations, const StalePlaces& stale) {
-  const auto first = std::stable_partition(observations.begin(), observations.end(),
-                                           [&](const auto& each) { return !stale.contains(each.p_world); });
-  std::vector<Observation> taken(first, observations.end());
-  observations.erase(first, observations.end());
-  return taken;
+std::vector<Observation> without_stale(const std::vector<Observation>& observations, const StalePlaces& stale) {
+  std::vector<Observation> kept;
+  std::copy_if(observations.begin(), observations.end(), std::back_inserter(kept),
+               [&](const auto& each) { return !stale.contains(each.p_world); });
+  return kept;
 }
 
 template <class Observation>
-Votes votes_of(const std::vector<Observation>& observations, const Camera& camera, Alignment& now) {
-  Votes votes{static_cast<int>(observations.size()), 0};
-  for (const auto& each : observations) {
-    const bool agreed = agrees(each, camera, now.T_camera_world);
-    votes.agreeing += agreed ? 1 : 0;
-    now.verdicts.push_back({each.p_world, agreed});
-  }
-  return votes;
+Votes votes_of(const std::vector<Observation>& observations, const Camera& camera, const Pose& T_camera_world) {
+  const auto agreeing = std::count_if(observations.begin(), observations.end(),
+                                      [&](const auto& each) { return agrees(each, camera, T_camera_world); });
+  return {static_cast<int>(observations.size()), static_cast<int>(agreeing)};
+}
+
+std::vector<Verdict> verdicts_of(const Observations& found, const Camera& camera, const Pose& T_camera_world) {
+  std::vector<Verdict> verdicts;
+  const auto add = [&](const auto& each) { verdicts.push_back({each.p_world, agrees(each, camera, T_camera_world)}); };
+  std::for_each(found.matches.begin(), found.matches.end(), add);
+  std::for_each(found.edges.begin(), found.edges.end(), add);
+  return verdicts;
 }
 
 /// With a wide gate, and then with a narrow one when that still fixes the pose.
@@ -90,16 +89,18 @@ std::optional<JointPose> solve_twice(const std::vector<PointObservation>& points
   const auto first = solve_pose(points, edges, camera, start, {gate_px});
   if (!first) return std::nullopt;
   const auto second = solve_pose(points, edges, camera, first->T_camera_world, {kLastGate_px});
-  const bool kept_most = second && 3 * (second->points + second->edges) > first->points + first->edges;
-  return kept_most ? second : first;
+  const bool kept_enough = second && 3 * (second->points + second->edges) > first->points + first->edges;
+  return kept_enough ? second : first;
 }
 
-/// How far the pose moved the picture.
-double move_px(const std::vector<EdgeObservation>& edges, const Camera& camera, const Pose& from, const Pose& to) {
+/// The farthest that a second pose moves an observation in the picture, in pixels.
+template <class Observation>
+double largest_move_px(const std::vector<Observation>& observations, const Camera& camera, const Pose& from,
+                       const Pose& to) {
   double moved_px = 0;
-  for (const auto& edge : edges) {
-    const Eigen::Vector3d before = from * edge.p_world;
-    const Eigen::Vector3d after = to * edge.p_world;
+  for (const auto& each : observations) {
+    const Eigen::Vector3d before = from * each.p_world;
+    const Eigen::Vector3d after = to * each.p_world;
     if (after.z() > 0) moved_px = std::max(moved_px, (camera.project(after) - camera.project(before)).norm());
   }
   return moved_px;
@@ -111,40 +112,32 @@ std::optional<double> correct(Alignment& now, const Reference& reference, const 
   const Camera& camera = reference.camera;
   now.view = render_view(reference.renderer, reference.model, camera, now.T_camera_world);
   now.features = on_surface(features, now.view);
-  Observations found = observe(now.view, picture, round);
-  const auto stale_matches = take_stale(found.matches, reference.stale);
-  const auto stale_edges = take_stale(found.edges, reference.stale);
-  auto followed = observations_of(now.features, kFollowedSigma_px);
-  take_stale(followed, reference.stale);
-  auto points = found.matches;
+  const Observations found = observe(now.view, picture, round);
+  const auto matches = without_stale(found.matches, reference.stale);
+  const auto edges = without_stale(found.edges, reference.stale);
+  const auto followed = without_stale(observations_of(now.features, kFollowedSigma_px), reference.stale);
+  auto points = matches;
   points.insert(points.end(), followed.begin(), followed.end());
-  const auto pose = solve_twice(points, found.edges, camera, now.T_camera_world, round.gate_px);
+  const auto pose = solve_twice(points, edges, camera, now.T_camera_world, round.gate_px);
   if (!pose) return std::nullopt;
-  const double moved_px = move_px(found.edges, camera, now.T_camera_world, pose->T_camera_world);
-  now.T_camera_world = pose->T_camera_world;
+  const Pose before = std::exchange(now.T_camera_world, pose->T_camera_world);
   now.covariance = pose->covariance;
-  now.verdicts.clear();
-  votes_of(stale_matches, camera, now);
-  votes_of(stale_edges, camera, now);
-  now.matches = votes_of(found.matches, camera, now);
-  now.edges = votes_of(found.edges, camera, now);
-  const auto followed_agree = std::count_if(
-      followed.begin(), followed.end(), [&](const auto& point) { return agrees(point, camera, now.T_camera_world); });
-  now.followed = {static_cast<int>(followed.size()), static_cast<int>(followed_agree)};
-  return moved_px;
+  now.matches = votes_of(matches, camera, now.T_camera_world);
+  now.edges = votes_of(edges, camera, now.T_camera_world);
+  now.followed = votes_of(followed, camera, now.T_camera_world);
+  now.verdicts = verdicts_of(found, camera, now.T_camera_world);
+  return std::max(largest_move_px(edges, camera, before, now.T_camera_world),
+                  largest_move_px(points, camera, before, now.T_camera_world));
 }
 
 }  // namespace
 
-Picture::Picture(const ColorImage& color)
-    : grey{to_grey(color)}, contrast{local_contrast(grey, {}, {})}, smooth{grey.width(), grey.height()} {
-  const cv::Mat sharp{grey.height(), grey.width(), CV_8UC1, grey.data()};
-  cv::Mat blurred{smooth.height(), smooth.width(), CV_8UC1, smooth.data()};
-  cv::GaussianBlur(sharp, blurred, {5, 5}, kBlur_px);
+int Alignment::inliers() const {
+  return inliers_on_model() + followed.agreeing;
 }
 
-int Alignment::inliers() const {
-  return matches.agreeing + followed.agreeing + edges.agreeing / 4;
+int Alignment::inliers_on_model() const {
+  return matches.agreeing + edges.agreeing / 4;
 }
 
 double Alignment::agreeing_share() const {

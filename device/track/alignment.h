@@ -6,20 +6,11 @@
 #include "device/track/absolute_match.h"
 #include "device/track/edge_match.h"
 #include "device/track/feature_set.h"
+#include "device/track/picture.h"
 #include "device/track/pose_solver.h"
 #include "device/track/stale_places.h"
 
 namespace meshloop {
-
-/// One camera picture in the forms that its readers want.
-struct Picture {
-  explicit Picture(const ColorImage& color);
-
-  GreyImage grey;
-  GreyImage contrast;
-  /// Lightly blurred.
-  GreyImage smooth;
-};
 
 /// Observations of one kind.
 struct Votes {
@@ -32,7 +23,7 @@ struct Reference {
   SceneRenderer& renderer;
   const Model& model;
   const Camera& camera;
-  /// What lies there has no say.
+  /// What lies there has no say in the pose.
   const StalePlaces& stale;
 };
 
@@ -46,12 +37,14 @@ struct Alignment {
   Votes matches;
   Votes edges;
   Votes followed;
-  /// On the model wherever it was looked for, at stale places too.
+  /// Of what was found of the model, at stale places too.
   std::vector<Verdict> verdicts;
 
   /// Agreeing observations. Edges count a quarter: neighbours on one edge say nearly the same, and a step of brightness
   /// is found easily.
   [[nodiscard]] int inliers() const;
+  /// Without the followed features, which agree with each other at a wrong pose too.
+  [[nodiscard]] int inliers_on_model() const;
   /// Of what was found, the share that agrees with the pose; 0 when nothing was found.
   [[nodiscard]] double agreeing_share() const;
 };

@@ -98,7 +98,7 @@ FeatureSet judged(FeatureSet features, const Camera& camera, const Pose& T_camer
   return features;
 }
 
-FeatureSet replenished(FeatureSet features, const GreyImage& grey, const GreyImage& contrast, const RenderedView& view,
+FeatureSet replenished(FeatureSet features, const Picture& picture, const RenderedView& view,
                        const Pose& T_camera_world, int max_features) {
   const int room = max_features - static_cast<int>(features.size());
   // A few lost features are no reason to look for corners in every frame.
@@ -108,11 +108,11 @@ FeatureSet replenished(FeatureSet features, const GreyImage& grey, const GreyIma
   const Eigen::Vector3d eye_world = T_camera_world.inverse().translation();
   CornerOptions corner_options;
   corner_options.max_corners = room;
-  for (const auto& corner : find_corners(grey, surface_mask(view), taken, corner_options)) {
+  for (const auto& corner : find_corners(picture.grey, surface_mask(view), taken, corner_options)) {
     const auto in_view = pixel_in_view(view, T_camera_world, corner);
     const auto point = in_view ? world_point(view, *in_view) : std::nullopt;
     if (!point) continue;
-    features.push_back({corner, *point, eye_world, looks_as_modelled(view, *in_view, contrast, corner), 0});
+    features.push_back({corner, *point, eye_world, looks_as_modelled(view, *in_view, picture.contrast, corner), 0});
   }
   return features;
 }

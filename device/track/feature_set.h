@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/features/robust_pose.h"
+#include "device/track/picture.h"
 #include "device/track/rendered_view.h"
 
 namespace meshloop {
@@ -35,11 +36,11 @@ using FeatureSet = std::vector<Feature>;
 /// camera has moved so far that a wrong depth would show is trusted from then on.
 [[nodiscard]] FeatureSet judged(FeatureSet features, const Camera& camera, const Pose& T_camera_world);
 
-/// Adds new corners of the picture, up to `max_features`, whose world points come from the view. A corner is taken only
-/// if the camera sees there what the model shows (where the model has colours): what is not modelled, or was moved,
-/// looks different.
-[[nodiscard]] FeatureSet replenished(FeatureSet features, const GreyImage& grey, const GreyImage& contrast,
-                                     const RenderedView& view, const Pose& T_camera_world, int max_features);
+/// Without what lies at stale places, and with new corners of the picture, up to `max_features`, whose world points
+/// come from the view, from other places. A new one is trusted where the camera sees what the model shows, or the model
+/// has no colours: what is not modelled, or was moved, looks different.
+[[nodiscard]] FeatureSet replenished(FeatureSet features, const Picture& picture, const RenderedView& view,
+                                     const Pose& T_camera_world, int max_features);
 
 /// The trusted ones, for the solver.
 [[nodiscard]] std::vector<PointObservation> observations_of(const FeatureSet& features, double sigma_px);

@@ -19,7 +19,7 @@ constexpr double kMaxSpread_rad = 0.05;
 constexpr double kShareToStart = 0.5;
 constexpr double kShareToGoOn = 0.35;
 constexpr int kMaxDoubtfulFrames = 5;
-/// The share of the last frame's inliers that a new revision must leave; below it the pose is looked for afresh.
+/// The share of what agreed on the model in the last frame that must agree on a new one.
 constexpr double kShareToStay = 0.6;
 /// A pose predicted over more frames than this is no better than the last one.
 constexpr double kLongestPrediction = 3;
@@ -68,8 +68,13 @@ class FeatureModelTracker final : public ModelTracker {
   [[nodiscard]] std::optional<Alignment> recover(const Model& model, const Picture& picture, double timestamp_s);
   [[nodiscard]] Reference reference(const Model& model) const { return {*renderer_, model, camera_, stale_}; }
   [[nodiscard]] bool is_sure(const std::optional<Alignment>& found) const;
-  [[nodiscard]] std::optional<Alignment> better_of(std::optional<Alignment> found, const Model& model,
-                                                   const Picture& picture) const;
+  /// For a new model: where it fits much better than at `found`, if it fits there much less than the old one did, as
+  /// a pose does that was held by what is mended now.
+  [[nodiscard]] std::optional<Alignment> found_elsewhere(const std::optional<Alignment>& found, const Model& model,
+                                                         const Picture& picture);
+  /// With a wide search in which everything has a say.
+  [[nodiscard]] std::optional<Alignment> found_afresh(const Model& model, const Picture& picture,
+                                                      const Pose& start) const;
   [[nodiscard]] std::optional<Alignment> found_from(const Model& model, const Picture& picture,
                                                     const Pose& start) const;
   [[nodiscard]] TrackedPose accept(Alignment found, Picture picture, double timestamp_s, TrackState state);
@@ -83,13 +88,13 @@ class FeatureModelTracker final : public ModelTracker {
   /// The last pose that is known, and the one before it while there is a velocity.
   TimedPose last_;
   std::optional<TimedPose> before_;
-  int last_inliers_ = 0;
+  int last_inliers_on_model_ = 0;
   GreyImage last_grey_;
   FeatureSet features_;
   KnownViews known_views_;
-  /// Of the model with this revision.
   StalePlaces stale_;
-  Revision revision_ = 0;
+  /// Of the last frame.
+  std::shared_ptr<const Model> model_;
   int doubtful_frames_ = 0;
   /// Since the pose was lost.
   unsigned wide_searches_ = 0;
@@ -117,13 +122,21 @@ std::optional<Alignment> FeatureModelTracker::found_from(const Model& model, con
   return std::nullopt;
 }
 
-std::optional<Alignment> FeatureModelTracker::better_of(std::optional<Alignment> found, const Model& model,
-                                                        const Picture& picture) const {
-  if (!found || found->inliers() >= kShareToStay * last_inliers_) return found;
-  // A pose that fitted the old model and fits the new one much less may have been held by what was just mended.
-  auto elsewhere = align_widely(reference(model), picture, found->T_camera_world);
-  const bool is_better = is_sure(elsewhere) && elsewhere->inliers() > found->inliers();
-  return is_better ? std::move(elsewhere) : std::move(found);
+std::optional<Alignment> FeatureModelTracker::found_elsewhere(const std::optional<Alignment>& found, const Model& model,
+                                                              const Picture& picture) {
+  const int agreeing = found ? found->inliers_on_model() : 0;
+  if (agreeing >= kShareToStay * last_inliers_on_model_) return std::nullopt;
+  auto elsewhere = found_afresh(model, picture, found ? found->T_camera_world : last_.T_camera_world);
+  if (!elsewhere || elsewhere->inliers_on_model() <= agreeing) return std::nullopt;
+  stale_.clear();
+  return elsewhere;
+}
+
+std::optional<Alignment> FeatureModelTracker::found_afresh(const Model& model, const Picture& picture,
+                                                           const Pose& start) const {
+  const StalePlaces none;
+  auto found = align_widely({*renderer_, model, camera_, none}, picture, start);
+  return is_sure(found) ? std::move(found) : std::nullopt;
 }
 
 std::optional<Pose> FeatureModelTracker::pose_of(const std::vector<PointObservation>& followed,
@@ -172,8 +185,10 @@ std::optional<Alignment> FeatureModelTracker::recover(const Model& model, const 
   }
   // A wide search takes as long as all of these: one for each frame, from another place each time.
   const Pose& place = places[wide_searches_++ % places.size()];
-  if (auto found = align_widely(reference(model), picture, place); is_sure(found)) return found;
-  return std::nullopt;
+  auto found = found_afresh(model, picture, place);
+  // They may be of a wrong pose.
+  if (found) stale_.clear();
+  return found;
 }
 
 TrackedPose FeatureModelTracker::lose(double timestamp_s) {
@@ -195,33 +210,31 @@ TrackedPose FeatureModelTracker::accept(Alignment found, Picture picture, double
   result.covariance = found.covariance;
   result.quality = found.agreeing_share();
   result.inliers = found.inliers();
+  const int inliers_on_model = found.inliers_on_model();
   doubtful_frames_ = result.quality < kShareToGoOn ? doubtful_frames_ + 1 : 0;
   const bool doubtful = doubtful_frames_ > kMaxDoubtfulFrames;
   if (result.inliers < options_.min_inliers || !is_certain(result.covariance) || doubtful) return lose(timestamp_s);
 
   if (result.quality >= kShareToStart) stale_.judge(found.verdicts);
   features_ = judged(std::move(found.features), camera_, T_camera_world);
-  features_ = replenished(std::move(features_), picture.grey, picture.contrast, found.view, T_camera_world,
-                          options_.max_features);
-  if (mode_ == Mode::tracking) {
+  features_ = replenished(std::move(features_), picture, found.view, T_camera_world, options_.max_features);
+  if (mode_ == Mode::tracking && state == TrackState::tracking) {
     before_ = last_;
   } else {
     before_.reset();
   }
   mode_ = Mode::tracking;
   last_ = {timestamp_s, T_camera_world};
-  last_inliers_ = result.inliers;
+  last_inliers_on_model_ = inliers_on_model;
   last_grey_ = std::move(picture.grey);
-  known_views_.remember(T_camera_world, last_grey_, features_);
+  if (result.quality >= kShareToStart) known_views_.remember(T_camera_world, last_grey_, features_);
   return result;
 }
 
 TrackedPose FeatureModelTracker::track(const ColorFrame& frame, const std::shared_ptr<const Model>& model) {
   const bool fits = frame.color.width() == camera_.width && frame.color.height() == camera_.height;
   if (!fits || !model || model->nodes.empty() || mode_ == Mode::idle) return lose(frame.timestamp_s);
-  const bool is_new = std::exchange(revision_, model->revision) != model->revision;
-  // What was stale may just have been mended.
-  if (is_new) stale_.clear();
+  const bool is_new = std::exchange(model_, model) != model;
   Picture picture{frame.color};
   std::optional<Alignment> found;
   TrackState state = TrackState::tracking;
@@ -229,7 +242,10 @@ TrackedPose FeatureModelTracker::track(const ColorFrame& frame, const std::share
     found = found_from(*model, picture, last_.T_camera_world);
   } else if (mode_ == Mode::tracking) {
     found = go_on(*model, picture, frame.timestamp_s);
-    if (is_new) found = better_of(std::move(found), *model, picture);
+    if (auto elsewhere = is_new ? found_elsewhere(found, *model, picture) : std::nullopt) {
+      found = std::move(elsewhere);
+      state = TrackState::relocalised;
+    }
     wide_searches_ = 0;
   } else {
     found = recover(*model, picture, frame.timestamp_s);

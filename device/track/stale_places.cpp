@@ -14,7 +14,7 @@ constexpr double kStaleBelow = 0.4;
 constexpr double kTrustedAbove = 0.65;
 constexpr int kFramesToJudge = 4;
 
-/// Cubes on each side of the origin, 31 km; what lies beyond shares the last one.
+/// Cubes on each side of the origin, 42 km; what lies beyond shares the last one.
 constexpr double kCubes = 1 << 20;
 
 /// Of the cube that the point lies in.
@@ -55,11 +55,6 @@ void StalePlaces::judge(const std::vector<Verdict>& verdicts) {
 bool StalePlaces::contains(const Eigen::Vector3d& p_world) const {
   const auto place = places_.find(number_of(p_world));
   return place != places_.end() && place->second.stale;
-}
-
-std::size_t StalePlaces::count() const {
-  return static_cast<std::size_t>(
-      std::count_if(places_.begin(), places_.end(), [](const auto& entry) { return entry.second.stale; }));
 }
 
 }  // namespace meshloop

@@ -1,6 +1,6 @@
 #pragma once
-// Where in the world the pictures keep contradicting the model: what was moved, taken away or put there since it was
-// made.
+// Where in the world the pictures keep contradicting the model: what was moved there or put in front of it since it was
+// made. What was taken away and left a plain surface shows nothing that could contradict.
 #include <Eigen/Core>
 #include <cstdint>
 #include <unordered_map>
@@ -23,7 +23,6 @@ class StalePlaces {
   /// pose everything else would become stale.
   void judge(const std::vector<Verdict>& verdicts);
   [[nodiscard]] bool contains(const Eigen::Vector3d& p_world) const;
-  [[nodiscard]] std::size_t count() const;
   void clear() { places_.clear(); }
 
  private:

@@ -47,7 +47,6 @@ struct DetectRun {
   std::optional<LabelScore> score;
   nlohmann::json results = nlohmann::json::array();
   std::vector<double> total_ms;
-  /// Of an earlier run.
   /// Of an earlier run; nothing until the first frame is there to take their place.
   std::optional<std::size_t> removed_files;
 };

@@ -163,6 +163,7 @@ Result<std::optional<Station::Change>> Station::change(const TrackedFrame& track
   publish_or_retry(acceptance->info.accepted_ns);
   change.acceptance = std::move(*acceptance);
   change.published = parts_->last_publish;
+  change.is_published = !parts_->unpublished_ns;
   change.examination = std::move(examination);
   parts_->examiner.model_changed();
   return change;
@@ -184,7 +185,7 @@ Status Station::accept(const TrackedFrame& tracked, Examination examination) {
   const Stopwatch watch;
   if (auto synced = parts_->store->sync(); !synced) {
     return fail(
-        fmt::format("revision {} was published, but may be gone at the next start", parts_->store->model()->revision),
+        fmt::format("revision {} was accepted, but may be gone at the next start", parts_->store->model()->revision),
         synced.error());
   }
   for (const auto& change : changes) tell_revision(tracked, change, watch.milliseconds());
@@ -213,6 +214,7 @@ void Station::tell_revision(const TrackedFrame& tracked, const Change& change, d
         {"triangles_added", info.triangles_added},
         {"triangles_removed", info.triangles_removed},
         {"triangles", change.acceptance.model->triangle_count()},
+        {"published", change.is_published},
         {"bytes", change.published.bytes},
         {"raw_bytes", change.published.raw_bytes},
         {"devices", parts_->publisher.readers()},

@@ -52,6 +52,7 @@ class Station {
   struct Change {
     Acceptance acceptance;
     PublishReport published;
+    bool is_published = false;
     /// What it was made from, and its picture.
     Examination examination;
     ColorImage picture;

@@ -38,7 +38,9 @@ struct ColorPoses {
 /// T_depth_world at the depth image's time (common/geometry/README.md, "From a depth pixel"): on the curve of constant
 /// acceleration through the colour poses, or of constant velocity where `earlier` cannot help. The covariance, in the
 /// depth camera's frame, knows those of the poses and of the calibration, and how much the motion may have changed in
-/// between (README.md, "Between two colour images"). Lost when `before` and `after` both are.
+/// between (README.md, "Between two colour images"). Lost when `before` and `after` both are, when the time lies
+/// farther outside of both than half of what is between them, and when only one of them is known and farther away than
+/// that or 20 ms, whichever is more.
 [[nodiscard]] TrackedPose depth_pose_at(const Rig& rig, const ColorPoses& color, double depth_timestamp_s);
 
 }  // namespace meshloop

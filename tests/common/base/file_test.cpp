@@ -116,6 +116,14 @@ TEST(File, OtherNamesOfAFileSeeWhatWasWritten) {
   EXPECT_EQ(read_text_file(folder / "a", 10).value(), "after");
 }
 
+TEST(File, ANameThatLeavesNoRoomForATemporaryOneIsWrittenInPlace) {
+  const TemporaryFolder folder;
+  const auto file = folder / std::string(255, 'a');
+  ASSERT_TRUE(write_text_file(file, "old"));
+  ASSERT_TRUE(write_text_file(file, "new"));
+  EXPECT_EQ(read_text_file(file, 10).value(), "new");
+}
+
 TEST(File, AProtectedFileStays) {
   if (::geteuid() == 0) GTEST_SKIP() << "root may write every file";
   const TemporaryFolder folder;
