@@ -16,8 +16,16 @@
 namespace meshloop {
 namespace {
 
+/// What a damaged file says must not drive the terminal.
+std::string printable(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+  return text;
+}
+
 int report(const CLI::App& app, const Error& error) {
-  std::cerr << app.get_name() << ": " << error.message << '\n';
+  std::cerr << app.get_name() << ": " << printable(error.message) << '\n';
   return exit_code(error.kind);
 }
 
@@ -26,7 +34,10 @@ std::optional<std::string> unknown_subcommand(const CLI::App& app) {
   const CLI::App* command = &app;
   while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
   const auto words = command->remaining();
-  if (words.empty() || words.front().starts_with('-')) return std::nullopt;
+  if (words.empty()) return std::nullopt;
+  if (words.front().starts_with('-')) {
+    return fmt::format("{} has no option '{}' (try --help)", command->get_name(), words.front());
+  }
   std::vector<std::string> known;
   for (const CLI::App* subcommand : command->get_subcommands([](const CLI::App*) { return true; })) {
     known.push_back(subcommand->get_name());

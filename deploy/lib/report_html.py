@@ -1,6 +1,7 @@
 """How the demo's report looks: text for the terminal and one HTML file with all pictures inside."""
 import base64
 import html
+import json
 import math
 
 STYLE = """
@@ -54,7 +55,7 @@ def summary_rows(report):
         ("bytes published (Draco) / uncompressed",
          f"{publish['bytes']} / {publish['raw_bytes']} ({percent(size, 1)})"),
         ("from acceptance to drawn on the device, slowest revision", number(publish["accept_to_drawn_ms"], " ms", 0)),
-        ("mean tracking error with the first / the adjusted model",
+        ("mean tracking error where not lost, first / adjusted model",
          f"{millimetres(track['mean_error_m']['before'])} / {millimetres(track['mean_error_m']['after'])}"),
         ("frames placed within 1 cm with the first / the adjusted model",
          f"{percent(track['placed_share']['before'], 0)} / {percent(track['placed_share']['after'], 0)}"),
@@ -88,12 +89,24 @@ def positions(path):
     if not path.exists():
         return []
     lines = [line.split() for line in path.read_text().splitlines() if line and not line.startswith("#")]
-    return [(float(p[1]), float(p[2])) for p in lines]
+    return [(float(p[0]), float(p[1]), float(p[2])) for p in lines]
+
+
+def stretches(curve):
+    """The curve (time, x, y) cut where frames are missing, because they were lost: no line is drawn across."""
+    steps = sorted(b[0] - a[0] for a, b in zip(curve, curve[1:]))
+    longest = 1.5 * steps[len(steps) // 10] if steps else 0
+    parts = []
+    for point in curve:
+        if not parts or point[0] - parts[-1][-1][0] > longest:
+            parts.append([])
+        parts[-1].append(point)
+    return parts
 
 
 def camera_paths(curves):
-    """Curves (name, colour, points) seen from above, with a scale of 0.5 m (or less for small scenes)."""
-    points = [p for _, _, curve in curves for p in curve]
+    """Curves (name, colour, points of time, x and y) seen from above, with a scale of 0.5 m (or less for small scenes)."""
+    points = [p[1:] for _, _, curve in curves for p in curve]
     if not points:
         return "<p class='note'>No camera path.</p>"
     low = [min(p[i] for p in points) for i in (0, 1)]
@@ -103,11 +116,13 @@ def camera_paths(curves):
     scale = (size - 2 * margin) / extent
 
     def xy(p):
-        return f"{margin + (p[0] - low[0]) * scale:.1f},{size - margin - (p[1] - low[1]) * scale:.1f}"
+        return f"{margin + (p[1] - low[0]) * scale:.1f},{size - margin - (p[2] - low[1]) * scale:.1f}"
 
     lines, legend = [], []
     for i, (name, color, curve) in enumerate(curves):
-        lines.append(f"<polyline points='{' '.join(map(xy, curve))}' fill='none' stroke='{color}' stroke-width='1.5'/>")
+        for part in stretches(curve):
+            lines.append(f"<polyline points='{' '.join(map(xy, part))}' fill='none' stroke='{color}' stroke-width='1.5' "
+                         "stroke-linecap='round'/>")
         legend.append(f"<text x='{size + 10}' y='{30 + 22 * i}' fill='{color}'>{html.escape(name)}</text>")
     bar = 10 ** math.floor(math.log10(extent)) / 2
     lines.append(f"<path d='M{margin},{size - 12} h{bar * scale:.1f}' stroke='#222' stroke-width='2'/>"
@@ -124,29 +139,46 @@ def first_and_last(folder, pattern):
 VIEW_AT = {"insertion": 15 / 24, "move": 14 / 24}
 
 
-def sample_view(out, name, when):
-    """The augmented view of one frame, in which one sees what the adjustment changed."""
-    files = sorted((out / "views" / f"{name}_{when}").glob("*.png"))
-    return files[int(len(files) * VIEW_AT[name])] if files else None
+def sample_views(out, name):
+    """The augmented view of one frame, before and after, in which one sees what the adjustment changed: the nearest to
+    VIEW_AT in which the handheld believed to know its place before."""
+    tracked = {f["index"] for f in json.loads((out / "views" / f"{name}_before.json").read_text())["frames"]
+               if f["state"] != "lost"}
+    folders = [out / "views" / f"{name}_{when}" for when in ("before", "after")]
+    drawn = sorted(int(file.stem) for file in folders[0].glob("*.png"))
+    usable = [frame for frame in drawn if frame in tracked] or drawn
+    if not usable:
+        return None, None
+    wanted = drawn[int(len(drawn) * VIEW_AT[name])]
+    frame = min(usable, key=lambda f: abs(f - wanted))
+    return tuple(folder / f"{frame:06}.png" for folder in folders)
 
 
 def overlays(out, report):
-    text = []
-    for r in report["adjust"]["revisions"]:
+    """The largest additions, and the largest removal: what was moved."""
+    revisions = report["adjust"]["revisions"]
+    shown = []
+    for r in revisions:
         before = out / "station" / f"revision_{r['revision']:04}_before.png"
-        after = out / "station" / f"revision_{r['revision']:04}_after.png"
+        # Of two revisions from one frame the later one has the picture of the next frame.
+        last = max(other["revision"] for other in revisions if other["frame"] == r["frame"])
+        after = out / "station" / f"revision_{last:04}_after.png"
         if before.exists() and after.exists():
-            text.append((r["triangles_added"] + r["triangles_removed"], r["revision"], before, after))
-    largest = sorted(sorted(text, key=lambda t: -t[0])[:3], key=lambda t: t[1])
-    return "".join(picture(b, f"revision {n}: difference before it was accepted") +
-                   picture(a, f"revision {n}: the next frame, compared with the adjusted model") for _, n, b, a in largest)
+            shown.append((r, before, after))
+    chosen = sorted(shown, key=lambda s: -s[0]["triangles_added"])[:2]
+    for s in sorted(shown, key=lambda s: -s[0]["triangles_removed"]):
+        if s not in chosen and len(chosen) < 3:
+            chosen.append(s)
+    return "".join(picture(before, f"revision {r['revision']}: difference before it was accepted") +
+                   picture(after, f"revision {r['revision']}: the next frame, compared with the adjusted model")
+                   for r, before, after in sorted(chosen, key=lambda s: s[0]["revision"]))
 
 
 def views(out, report):
     text = []
     for a in report["track"]["adjustments"]:
-        for when in ("before", "after"):
-            text.append(picture(sample_view(out, a["name"], when), f"{a['what']}: {when}"))
+        for when, view in zip(("before", "after"), sample_views(out, a["name"])):
+            text.append(picture(view, f"{a['what']}: {when}"))
     return "".join(text)
 
 
@@ -175,7 +207,9 @@ handheld device, another process, received it, tracked its camera against it and
 <h2>What the handheld sees</h2>{views(out, report)}
 <h2>How well the handheld knows where it is</h2>
 {table(("model", "mean error", "largest", "lost frames", "placed within 1 cm"), adjustment_rows(report))}
-<p class="note">Distance between tracked and true camera position, over the frames that were not lost.</p>
+<p class="note">Distance between tracked and true camera position, over the frames that were not lost. A box that the model has
+2 cm off contradicts what the camera sees, and has no say in its place: adjusting it mends what is drawn, not where the handheld
+is.</p>
 {camera_paths(curves)}
 {detection_part}
 <h2>Time</h2>{table(("stage", "median ms"), [(k, number(v, "", 2)) for k, v in times])}

@@ -61,9 +61,9 @@ class Views {
   std::vector<VirtualObject> objects_;
 };
 
-/// `done`: how the run ended; the frames before an error are told too.
+/// `done`: how the run ended; the frames before an error are told too. `is_written`: the poses are in their file.
 void report(const TrackArguments& arguments, const TrackingSession& session, const nlohmann::json& truth,
-            const ImportedModel& model, const Status& done) {
+            const ImportedModel& model, const Status& done, bool is_written) {
   std::vector<double> times;
   for (const auto& record : session.records()) times.push_back(record.time_ms);
   nlohmann::json json{{"frames", session.frames_json()},
@@ -77,8 +77,8 @@ void report(const TrackArguments& arguments, const TrackingSession& session, con
     return;
   }
   std::cout << import_text(arguments.model.file, model) << '\n';
-  std::cout << fmt::format("{} frames, {} lost; poses are in {}\n", session.records().size(), session.lost_frames(),
-                           arguments.out);
+  std::cout << fmt::format("{} frames, {} lost\n", session.records().size(), session.lost_frames());
+  if (is_written) std::cout << "poses are in " << arguments.out << '\n';
   if (!truth.is_null()) {
     std::cout << fmt::format("mean error {:.1f} mm, largest {:.1f} mm\n", 1000 * truth["mean_error_m"].get<double>(),
                              1000 * truth["max_error_m"].get<double>());
@@ -122,11 +122,14 @@ Status track(const TrackArguments& arguments) {
   const Trajectory trajectory = session->trajectory();
   if (done && trajectory.empty()) done = fail("every frame is lost; do --init and the model fit the recording?");
   // Good poses of an earlier run are worth more than none.
+  bool is_written = false;
   if (!trajectory.empty()) {
     const auto written = write_trajectory(arguments.out, trajectory);
+    is_written = written.has_value();
     if (done && !written) done = written;
   }
-  report(arguments, *session, truth_json(trajectory, (*source)->recording().ground_truth()), *imported, done);
+  report(arguments, *session, truth_json(trajectory, (*source)->recording().ground_truth()), *imported, done,
+         is_written);
   return done;
 }
 

@@ -43,8 +43,8 @@ Status track_all(TrackedFrames& frames, TrackRun& run) {
   }
 }
 
-/// `done`: how the run ended; the frames before an error are told too.
-void report(const TrackArguments& arguments, const TrackRun& run, const Status& done) {
+/// `done`: how the run ended; the frames before an error are told too. `is_written`: the poses are in their file.
+void report(const TrackArguments& arguments, const TrackRun& run, const Status& done, bool is_written) {
   const std::size_t lost = run.results.size() - run.trajectory.size();
   if (arguments.json) {
     nlohmann::json json{{"frames", run.results}, {"lost", lost}, {"time_ms", spread_json(run.times)}};
@@ -52,8 +52,8 @@ void report(const TrackArguments& arguments, const TrackRun& run, const Status& 
     print_json(json);
     return;
   }
-  std::cout << fmt::format("{} of {} frames tracked, {} lost; poses are in {}\n", run.trajectory.size(),
-                           run.results.size(), lost, arguments.out);
+  std::cout << fmt::format("{} of {} frames tracked, {} lost\n", run.trajectory.size(), run.results.size(), lost);
+  if (is_written) std::cout << "poses are in " << arguments.out << '\n';
 }
 
 Status track(const TrackArguments& arguments) {
@@ -64,11 +64,13 @@ Status track(const TrackArguments& arguments) {
   if (done && run.trajectory.empty()) done = fail(kEveryFrameIsLost);
   if (run.results.empty()) return done;
   // Good poses of an earlier run are worth more than none.
+  bool is_written = false;
   if (!run.trajectory.empty()) {
     const auto written = write_trajectory(arguments.out, run.trajectory);
+    is_written = written.has_value();
     if (done && !written) done = written;
   }
-  report(arguments, run, done);
+  report(arguments, run, done, is_written);
   return done;
 }
 

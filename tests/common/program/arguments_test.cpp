@@ -93,6 +93,19 @@ TEST(RunProgram, NamesASubcommandThatItDoesNotKnow) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "test: 'went' is no subcommand of test; there are go\n");
 }
 
+TEST(RunProgram, NamesAnOptionThatItDoesNotKnow) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run({"test", "--went"}, [] { return Status{}; }), 2);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "test: test has no option '--went' (try --help)\n");
+}
+
+TEST(RunProgram, AnErrorThatQuotesAFileCannotDriveTheTerminal) {
+  const Action failing = [] { return Status{fail("line 1: '\033]0;x\a\n\xc3\xa4'")}; };
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(run({"test", "go", "--text", "a"}, failing), 1);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "test: line 1: '?]0;x? \xc3\xa4'\n");
+}
+
 TEST(RunProgram, WrongUsageIsTwoAndHelpIsNoError) {
   const Action nothing = [] { return Status{}; };
   EXPECT_EQ(run({"test"}, nothing), 2);
