@@ -16,6 +16,7 @@ class PrefetchingSource : public RgbdSource {
 
   [[nodiscard]] const Rig& rig() const override { return source_->rig(); }
   Result<std::optional<RgbdFrame>> next() override;
+  [[nodiscard]] std::optional<int> frame_count() const override { return source_->frame_count(); }
   [[nodiscard]] bool ready() const override { return !queue_.would_wait(); }
 
  private:

@@ -30,6 +30,9 @@ class RecordingSource : public RgbdSource {
 
   [[nodiscard]] const Rig& rig() const override { return rig_; }
   Result<std::optional<RgbdFrame>> next() override;
+  [[nodiscard]] std::optional<int> frame_count() const override {
+    return static_cast<int>(recording_.depth_images().size());
+  }
 
   /// What is being played, for its ground truth and its length.
   [[nodiscard]] const Recording& recording() const { return recording_; }

@@ -133,10 +133,7 @@ Status adjust_all(AdjustRun& run, TrackedFrames& frames, Examiner& examiner, Vie
   while (read <= run.frames.back()) {
     auto tracked = frames.next();
     if (!tracked) return fail(tracked.error());
-    if (!*tracked) {
-      return fail(fmt::format("frame {} is not in the recording, which has {} frames", run.frames.back(), read),
-                  ErrorKind::usage);
-    }
+    if (!*tracked) break;
     read = (*tracked)->frame.index + 1;
     if (!std::binary_search(run.frames.begin(), run.frames.end(), read - 1)) continue;
     if (auto done = adjust_frame(run, **tracked, frames.rig(), examiner, views, store); !done) return done;
@@ -154,6 +151,7 @@ Status adjust(const AdjustArguments& arguments) {
   if (!store) return fail(store.error());
   auto frames = arguments.recording.open();
   if (!frames) return fail(frames.error());
+  if (auto there = frames->check_frames(run->frames); !there) return there;
   options->regions.confirm_views = 1;
   auto examiner = Examiner::create(frames->rig(), *options);
   if (!examiner) return fail(examiner.error());

@@ -253,14 +253,6 @@ void report(const DetectRun& run, const ImportedModel& model, const Status& done
   if (!run.total_ms.empty()) std::cout << "pictures and differences are in " << run.arguments.out << '\n';
 }
 
-Status check_frames(const DetectRun& run, int frames_read) {
-  if (!run.frames.empty() && run.frames.back() >= frames_read) {
-    return fail(fmt::format("frame {} is not in the recording, which has {} frames", run.frames.back(), frames_read),
-                ErrorKind::usage);
-  }
-  return {};
-}
-
 // The mean of the frames that were collected, in place of the first one's depth.
 void begin_average(DetectRun& run, Stages& stages) {
   if (!run.first_of_average) return;
@@ -292,10 +284,7 @@ Status process(DetectRun& run, TrackedFrames& frames, Stages& stages) {
     auto tracked = frames.next();  // while the frame before is compared
     if (auto done = finish_frame(run, stages); !done) return done;
     if (!tracked) return fail(tracked.error());
-    if (!*tracked) {
-      if (auto there = check_frames(run, read); !there) return there;
-      break;
-    }
+    if (!*tracked) break;
     read = (*tracked)->frame.index + 1;
     const bool wanted = run.frames.empty() || std::binary_search(run.frames.begin(), run.frames.end(), read - 1);
     if (wanted) {
@@ -341,6 +330,7 @@ Status detect(const DetectArguments& arguments) {
   if (!imported) return fail(imported.error());
   auto frames = arguments.recording.open();
   if (!frames) return fail(frames.error());
+  if (auto there = frames->check_frames(run.frames); !there) return there;
   std::error_code error;
   fs::create_directories(arguments.out, error);
   if (error) return fail(fmt::format("cannot make the folder '{}': {}", arguments.out, error.message()));

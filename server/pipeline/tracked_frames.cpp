@@ -1,5 +1,8 @@
 #include "server/pipeline/tracked_frames.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <utility>
 
 #include "common/base/clock.h"
@@ -77,6 +80,15 @@ TrackedFrame TrackedFrames::finished(TrackedFrame frame, const ColorPoses& color
     frame.depth_pose = depth_pose_at(rig(), color, time_s);
   }
   return frame;
+}
+
+Status TrackedFrames::check_frames(const std::vector<int>& frames) const {
+  const auto count = source_->frame_count();
+  if (!count) return {};
+  const auto beyond = std::lower_bound(frames.begin(), frames.end(), *count);
+  if (beyond == frames.end()) return {};
+  return fail(fmt::format("frame {} is not in the recording, which has frames 0 to {}", *beyond, *count - 1),
+              ErrorKind::usage);
 }
 
 Result<std::optional<TrackedFrame>> TrackedFrames::next() {

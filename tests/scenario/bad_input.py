@@ -57,6 +57,10 @@ programs.check(small.returncode == 1 and len(small.stderr.splitlines()) == 1 and
 print("-- usage")
 refused("no subcommand", 2, STATION)
 refused("an unknown subcommand", 2, STATION, "detekt", "--model", model, says="'detekt' is no subcommand")
+refused("an unknown option before the subcommand", 2, STATION, "--went", says="no option '--went'")
+there = sorted((path / "out").iterdir())
+refused("a frame after the last", 2, *detect(frames="10-13"), says="frame 12 is not in the recording, which has frames 0 to 11")
+programs.check(sorted((path / "out").iterdir()) == there, "that was said before anything was done")
 refused("an unknown subcommand of scene", 2, STATION, "scene", "look", "--scene", path / "x.db", says="'look' is no subcommand of scene")
 refused("unknown option", 2, STATION, "detect", "--nonsense")
 for option in ("--markers", "--poses", "--rig", "--sensor", "--init", "--truth"):
