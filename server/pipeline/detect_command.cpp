@@ -205,8 +205,7 @@ std::string changes_text(const nlohmann::json& counts) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-// "frame 3: 12 closer, 0 farther, 7 unmodelled pixels; regions: 1 confirmed, 2 not yet; smallest visible change: 7.9
-// mm"
+// "frame 3: 12 closer, 7 unmodelled pixels; regions: 1 confirmed, 2 not yet; smallest visible change: 7.9 mm"
 std::string frame_text(const nlohmann::json& frame) {
   const auto& regions = frame["regions"];
   const auto confirmed = std::count_if(regions.begin(), regions.end(),

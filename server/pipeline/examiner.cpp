@@ -69,9 +69,9 @@ Result<Examination> Examiner::finish(Begun begun, RegionTracker& regions) {
   examination.times = compared->times;
   const Stopwatch watch;
   examination.smallest_change_m = examination.comparison.smallest_change_m();
-  const auto& [frame, average, comparison] = begun;
-  examination.regions = regions.update(examination.comparison, measured_by(*frame, average), rig_.depth,
-                                       frame->depth_pose.T_camera_world, average != nullptr ? average->count : 1);
+  const int frames = begun.average != nullptr ? begun.average->count : 1;
+  examination.regions = regions.update(examination.comparison, measured_by(*begun.frame, begun.average), rig_.depth,
+                                       begun.frame->depth_pose.T_camera_world, frames);
   settle_labels(examination.comparison, examination.regions);
   examination.regions_ms = watch.milliseconds();
   examination.total_ms = compared->total_ms + examination.regions_ms;

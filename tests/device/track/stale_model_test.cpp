@@ -64,13 +64,13 @@ TEST_F(StaleModel, IsNotPulledByABoxThatFillsThePictureAndFindsBackBesideIt) {
   }
   EXPECT_LT(sum_m / (kAllButRound - kHalfWay), 0.005);
 
+  // What is stale stays so in a model that changed elsewhere.
+  const double quality = track(kAllButRound - 1, stale_).first.quality;
   const auto changed_elsewhere = model_of(scene_, false);
-  for (int i = 0; i < 3; ++i) {
-    const auto [tracked, error_m] = track(kAllButRound - 1, changed_elsewhere);
-    ASSERT_EQ(tracked.state, TrackState::tracking) << i;
-    EXPECT_LT(error_m, 0.009) << i;
-    EXPECT_GT(tracked.quality, 0.5) << i;
-  }
+  const auto [tracked, error_still_m] = track(kAllButRound - 1, changed_elsewhere);
+  EXPECT_EQ(tracked.state, TrackState::tracking);
+  EXPECT_LT(error_still_m, 0.009);
+  EXPECT_GT(tracked.quality, 0.95 * quality);
 
   ColorFrame covered;
   covered.color = ColorImage{640, 480};
