@@ -55,10 +55,10 @@ void join_neighbours(std::vector<TriangleRange>& ranges) {
 
 }  // namespace
 
-Tolerance::Tolerance(const std::function<double(double)>& largest_m) : steps_(kSteps) {
-  double least = largest_m(kStep_m * static_cast<double>(kSteps));
+Tolerance::Tolerance(const std::function<double(double)>& rms_m) : steps_(kSteps) {
+  double least = rms_m(kStep_m * static_cast<double>(kSteps));
   for (std::size_t i = kSteps; i-- > 0;) {
-    least = std::min(least, largest_m(kStep_m * static_cast<double>(i)));
+    least = std::min(least, rms_m(kStep_m * static_cast<double>(i)));
     steps_[i] = static_cast<float>(least);
   }
 }

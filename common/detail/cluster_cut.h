@@ -9,15 +9,15 @@
 
 namespace meshloop {
 
-/// How far a drawn surface may lie from the model's, by its depth in the picture. Zero everywhere: every triangle is
-/// drawn.
+/// How far a drawn surface may lie from the model's as root mean square, by its depth in the picture; single points may
+/// by kLargestByError times as much. Zero everywhere: every triangle is drawn.
 class Tolerance {
  public:
   /// Nothing may differ.
   Tolerance() = default;
-  /// `largest_m` gives metres for a depth in metres and does not fall with it (what is used at a depth is the least of
+  /// `rms_m` gives metres for a depth in metres and does not fall with it (what is used at a depth is the least of
   /// all farther ones); it is looked up every 5 cm as far as 20 m, and counts as constant beyond.
-  explicit Tolerance(const std::function<double(double)>& largest_m);
+  explicit Tolerance(const std::function<double(double)>& rms_m);
 
   [[nodiscard]] bool is_exact() const { return steps_.empty(); }
   /// Never more than the function's value. Depths below zero count as zero.

@@ -3,6 +3,7 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -15,7 +16,7 @@ namespace meshloop {
 namespace {
 
 // Small groups follow the tolerance closely where depth changes, and cost little when few of them are looked at.
-constexpr std::size_t kTrianglesPerCluster = 32;
+constexpr std::size_t kTrianglesPerCluster = 24;
 constexpr std::size_t kVerticesPerCluster = 64;
 constexpr std::size_t kClustersPerGroup = 16;
 /// A group that keeps more of its triangles than this waits for other neighbours on the next level.
@@ -84,9 +85,16 @@ class Builder {
         if (has_area) cluster.triangles.push_back(welded);
       }
       cluster.bounds = bounds_of(submesh_.positions, original);
+      cluster.area_m2 = area_of(cluster.triangles);
       cluster.index = add(original, cluster.bounds, Cluster::kNone);
       if (!cluster.triangles.empty()) active_.push_back(std::move(cluster));
     }
+  }
+
+  float area_of(const std::vector<Triangle>& triangles) const {
+    return std::accumulate(triangles.begin(), triangles.end(), 0.0f, [&](float sum, const Triangle& triangle) {
+      return sum + normal_of(submesh_.positions, triangle).norm() / 2;
+    });
   }
 
   std::uint32_t add(const std::vector<Triangle>& triangles, const Eigen::AlignedBox3f& bounds, std::int32_t made_by) {
@@ -127,33 +135,51 @@ class Builder {
       return;
     }
     const auto index = static_cast<std::int32_t>(result_.groups.size());
-    result_.groups.push_back(group_over(members, simple.deviation_m));
-    for (const auto member : members) result_.members.push_back(active_[member].index);
+    add_group(members, simple.deviation);
     for (auto& triangle : simple.triangles) triangle = part.outside(triangle);
     for (auto& triangles : cut(cutter_.take(simple.triangles))) {
       WorkingCluster cluster;
       cluster.bounds = bounds_of(submesh_.positions, triangles);
+      cluster.area_m2 = area_of(triangles);
       cluster.index = add(triangles, cluster.bounds, index);
       cluster.triangles = std::move(triangles);
       next.push_back(std::move(cluster));
     }
   }
 
-  ClusterGroup group_over(const std::vector<std::uint32_t>& members, float deviation_m) const {
+  /// Steps of one level after the other lean to no common side: their mean squares add up. Their largest ones may.
+  Deviation deviation_over(const std::vector<std::uint32_t>& members, const Deviation& last) const {
+    float largest_m = 0;
+    float worst = 0;
+    float sum = 0;
+    float area_m2 = 0;
+    for (const auto member : members) {
+      area_m2 += active_[member].area_m2;
+      const std::int32_t made_by = result_.clusters[active_[member].index].made_by;
+      if (made_by == Cluster::kNone) continue;
+      const Deviation& earlier = deviations_[static_cast<std::size_t>(made_by)];
+      const float square = earlier.rms_m * earlier.rms_m;
+      largest_m = std::max(largest_m, earlier.largest_m);
+      worst = std::max(worst, square);
+      sum += active_[member].area_m2 * square;
+    }
+    const float below = area_m2 > 0 ? sum / area_m2 : 0;
+    return {largest_m + last.largest_m, std::sqrt(std::max(worst, below + last.rms_m * last.rms_m))};
+  }
+
+  void add_group(const std::vector<std::uint32_t>& members, const Deviation& last) {
     ClusterGroup group;
-    float below_m = 0;
     for (const auto member : members) {
       group.bounds.extend(active_[member].bounds);
       const std::int32_t made_by = result_.clusters[active_[member].index].made_by;
-      if (made_by == Cluster::kNone) continue;
-      const ClusterGroup& below = result_.groups[static_cast<std::size_t>(made_by)];
-      group.bounds.extend(below.bounds);
-      below_m = std::max(below_m, below.error_m);
+      if (made_by != Cluster::kNone) group.bounds.extend(result_.groups[static_cast<std::size_t>(made_by)].bounds);
     }
-    group.error_m = below_m + deviation_m;
+    const Deviation& deviation = deviations_.emplace_back(deviation_over(members, last));
+    group.error_m = std::max(deviation.rms_m, deviation.largest_m / kLargestByError);
     group.first_member = static_cast<std::uint32_t>(result_.members.size());
     group.member_count = static_cast<std::uint32_t>(members.size());
-    return group;
+    for (const auto member : members) result_.members.push_back(active_[member].index);
+    result_.groups.push_back(group);
   }
 
   void order_vertices() {
@@ -178,6 +204,8 @@ class Builder {
   PartCutter cutter_;
   std::vector<std::uint32_t> place_of_;
   std::vector<WorkingCluster> active_;
+  /// Of each group's replacement from the original surface.
+  std::vector<Deviation> deviations_;
   ClusterHierarchy result_;
 };
 

@@ -34,9 +34,24 @@ class Incidence {
   std::vector<std::uint32_t> entries_;
 };
 
+/// Over the area, of what is given at the vertices and linear between them: in a triangle the mean square is a sixth of
+/// the sum of all squares and products of two.
+float root_mean_square(const LocalMesh& part, const std::vector<float>& at_vertices) {
+  double sum = 0;
+  double area = 0;
+  for (const auto& triangle : part.triangles) {
+    const float a = at_vertices[triangle[0]];
+    const float b = at_vertices[triangle[1]];
+    const float c = at_vertices[triangle[2]];
+    const auto weight = static_cast<double>(normal_of(part.positions, triangle).norm());
+    sum += weight * static_cast<double>(a * a + b * b + c * c + a * b + b * c + c * a) / 6;
+    area += weight;
+  }
+  return area > 0 ? static_cast<float>(std::sqrt(sum / area)) : 0;
+}
+
 /// Looks from a vertex that was left out over the old triangles, ring by ring, for those that stayed, and measures to
-/// the new triangles there. Only the largest distance counts: a vertex is done with as soon as it cannot be that one,
-/// and when nothing near says so all new triangles are asked.
+/// the new triangles there. A distance that would be the largest so far is made sure of: all new triangles are asked.
 class DeviationSearch {
  public:
   DeviationSearch(const LocalMesh& before, const std::vector<Triangle>& after)
@@ -46,29 +61,32 @@ class DeviationSearch {
         new_triangles_{before.vertices.size(), after},
         seen_(before.vertices.size(), 0) {}
 
-  float largest() {
-    float square = 0;
-    for (std::uint32_t vertex = 0; vertex < before_.vertices.size(); ++vertex) {
-      if (new_triangles_.at(vertex).empty()) square = std::max(square, at(vertex, square));
+  Deviation measure() {
+    float largest = 0;
+    std::vector<float> distances_m(before_.vertices.size(), 0);
+    for (std::uint32_t vertex = 0; vertex < distances_m.size(); ++vertex) {
+      if (!new_triangles_.at(vertex).empty()) continue;
+      float square = nearby(vertex);
+      if (square > largest) square = to_all(vertex);
+      largest = std::max(largest, square);
+      distances_m[vertex] = std::sqrt(square);
     }
-    return std::sqrt(square);
+    return {std::sqrt(largest), root_mean_square(before_, distances_m)};
   }
 
  private:
-  float at(std::uint32_t vertex, float enough) {
-    constexpr int kRingsBeyondTheFirst = 2;
+  /// Squared distance to the new triangles at the nearest ring that has some; infinite when none has.
+  float nearby(std::uint32_t vertex) {
     float square = std::numeric_limits<float>::infinity();
-    int rings_left = kRingsBeyondTheFirst;
     ++round_;
     seen_[vertex] = round_;
     std::vector<std::uint32_t>& ring = ring_;
     ring.assign(1, vertex);
-    while (!ring.empty()) {
+    while (!ring.empty() && !std::isfinite(square)) {
       grow(ring);
       for (const auto other : ring) square = std::min(square, distance(vertex, other));
-      if (square <= enough || (std::isfinite(square) && rings_left-- == 0)) break;
     }
-    return square <= enough ? square : to_all(vertex);
+    return square;
   }
 
   void grow(std::vector<std::uint32_t>& ring) {
@@ -111,16 +129,11 @@ class DeviationSearch {
   std::vector<std::uint32_t> next_;
 };
 
-Eigen::Vector3f normal_of(const LocalMesh& part, const Triangle& triangle) {
-  const auto& a = part.positions[triangle[0]];
-  return (part.positions[triangle[1]] - a).cross(part.positions[triangle[2]] - a);
-}
-
 /// Weighted with the triangles' areas, of no particular length.
 std::vector<Eigen::Vector3f> vertex_normals(const LocalMesh& part) {
   std::vector<Eigen::Vector3f> normals(part.positions.size(), Eigen::Vector3f::Zero());
   for (const auto& triangle : part.triangles) {
-    const Eigen::Vector3f normal = normal_of(part, triangle);
+    const Eigen::Vector3f normal = normal_of(part.positions, triangle);
     for (const auto vertex : triangle) normals[vertex] += normal;
   }
   return normals;
@@ -131,7 +144,7 @@ bool is_folded(const LocalMesh& part, const std::vector<Eigen::Vector3f>& old_no
                const std::vector<Triangle>& triangles) {
   return std::any_of(triangles.begin(), triangles.end(), [&](const Triangle& triangle) {
     const auto& [a, b, c] = triangle;
-    return normal_of(part, triangle).dot(old_normals[a] + old_normals[b] + old_normals[c]) < 0;
+    return normal_of(part.positions, triangle).dot(old_normals[a] + old_normals[b] + old_normals[c]) < 0;
   });
 }
 
@@ -164,6 +177,11 @@ float square_to_segment(const Eigen::Vector3f& p, const Eigen::Vector3f& a, cons
 
 }  // namespace
 
+Eigen::Vector3f normal_of(const std::vector<Eigen::Vector3f>& positions, const Triangle& triangle) {
+  const auto& a = positions[triangle[0]];
+  return (positions[triangle[1]] - a).cross(positions[triangle[2]] - a);
+}
+
 float squared_distance(const Eigen::Vector3f& p, const Eigen::Vector3f& a, const Eigen::Vector3f& b,
                        const Eigen::Vector3f& c) {
   const Eigen::Vector3f normal = (b - a).cross(c - a);
@@ -191,7 +209,7 @@ Simplified simplify_to_half(const LocalMesh& part) {
   }
   Simplified result;
   result.triangles = std::move(chosen.triangles);
-  if (!result.triangles.empty()) result.deviation_m = DeviationSearch{part, result.triangles}.largest();
+  if (!result.triangles.empty()) result.deviation = DeviationSearch{part, result.triangles}.measure();
   return result;
 }
 

@@ -11,6 +11,7 @@ struct WorkingCluster {
   /// Vertices of the submesh; those at one place are one vertex.
   std::vector<Triangle> triangles;
   Eigen::AlignedBox3f bounds;
+  float area_m2 = 0;
   /// Position in ClusterHierarchy::clusters.
   std::uint32_t index = 0;
 };

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "common/base/clock.h"
@@ -52,18 +53,12 @@ struct Targets {
   }
 };
 
-/// On no surface that was looked at was the root mean square of a simplified one's deviation more than a fifth of the
-/// largest (README.md, "Levels of detail").
-constexpr double kLargestByRms = 5;
-
 Tolerance tolerance_of(const CompareInput& input) {
   if (input.detail_share <= 0 || input.frames_averaged != nullptr) return {};
   const bool is_fixed = input.threshold.kind == Threshold::Kind::fixed;
   // A threshold in metres stands for three sigma.
   const double most_m = is_fixed ? input.threshold.value / 3 : std::numeric_limits<double>::infinity();
-  return Tolerance{[&](double z_m) {
-    return kLargestByRms * input.detail_share * std::min(most_m, input.sensor.sigma_z_m(z_m, 0));
-  }};
+  return Tolerance{[&](double z_m) { return input.detail_share * std::min(most_m, input.sensor.sigma_z_m(z_m, 0)); }};
 }
 
 bool offers(GLenum limit, GLint needed) {
@@ -102,10 +97,34 @@ Image<float> difference_of(const DepthImage& measured, const DepthImage& expecte
   return difference;
 }
 
-struct Programs {
+/// The two passes.
+struct Passes {
   Program every_pixel;
   Program around;
 };
+
+struct Programs {
+  /// For exact intrinsics and a single measured frame.
+  Passes plain;
+  Passes every_term;
+  [[nodiscard]] const Passes& for_input(const CompareInput& input) const {
+    const bool is_plain = input.frames_averaged == nullptr && input.intrinsics_covariance.isZero(0);
+    return is_plain ? plain : every_term;
+  }
+};
+
+/// `define` becomes the line after the first one, which must be `#version`.
+Result<Passes> create_passes(std::string_view define) {
+  const auto defined = [&](std::string_view source) {
+    const std::size_t second_line = source.find('\n') + 1;
+    return fmt::format("{}{}\n{}", source.substr(0, second_line), define, source.substr(second_line));
+  };
+  auto every_pixel = Program::create(shaders::compare_vert, defined(shaders::compare_frag));
+  if (!every_pixel) return fail("preparing the comparison", every_pixel.error());
+  auto around = Program::create(shaders::compare_vert, defined(shaders::compare_around_frag));
+  if (!around) return fail("preparing the comparison", around.error());
+  return Passes{std::move(*every_pixel), std::move(*around)};
+}
 
 class GlComparator final : public Comparator {
  public:
@@ -154,16 +173,16 @@ void GlComparator::draw(const CompareInput& input) {
   glViewport(0, 0, targets_.width, targets_.height);
   bind_image(0, targets_.measured.name());
   bind_image(1, renderer_->depth_texture());
-  // Read in any case, used only for a mean of frames; what is in the cache already costs less.
-  bind_image(2, (input.frames_averaged != nullptr ? targets_.frames_averaged : targets_.measured).name());
+  bind_image(2, targets_.frames_averaged.name());
   glBindVertexArray(no_vertices_.name());
+  const Passes& passes = programs_.for_input(input);
   const Parameters parameters = parameters_of(input);
   Targets::draw_into(GL_COLOR_ATTACHMENT0);
   glDepthFunc(GL_ALWAYS);
-  draw_pass(programs_.every_pixel, parameters);
+  draw_pass(passes.every_pixel, parameters);
   Targets::draw_into(GL_NONE);
   glDepthFunc(GL_GREATER);
-  if (input.threshold.kind == Threshold::Kind::k_sigma) draw_pass(programs_.around, parameters);
+  if (input.threshold.kind == Threshold::Kind::k_sigma) draw_pass(passes.around, parameters);
   glBindVertexArray(0);
 }
 
@@ -230,14 +249,14 @@ Result<std::unique_ptr<Comparator>> Comparator::create(GpuContext& context) {
   auto renderer = SceneRenderer::create(context);
   if (!renderer) return fail(renderer.error());
   if (auto usable = check_images(); !usable) return fail(usable.error());
-  auto every_pixel = Program::create(shaders::compare_vert, shaders::compare_frag);
-  if (!every_pixel) return fail("preparing the comparison", every_pixel.error());
-  auto around = Program::create(shaders::compare_vert, shaders::compare_around_frag);
-  if (!around) return fail("preparing the comparison", around.error());
+  auto plain = create_passes("");
+  if (!plain) return fail(plain.error());
+  auto every_term = create_passes("#define EVERY_TERM");
+  if (!every_term) return fail(every_term.error());
   Targets targets(kFirstSize, kFirstSize);
   if (auto usable = check_framebuffer("images of labels and thresholds"); !usable) return fail(usable.error());
   return std::unique_ptr<Comparator>{std::make_unique<GlComparator>(
-      context, std::move(*renderer), Programs{std::move(*every_pixel), std::move(*around)}, std::move(targets))};
+      context, std::move(*renderer), Programs{std::move(*plain), std::move(*every_term)}, std::move(targets))};
 }
 
 }  // namespace meshloop

@@ -87,7 +87,7 @@ void render_on_gpu(benchmark::State& state) {
   view.nodes = view.color = state.range(1) < 2;
   if (state.range(1) != 0) {
     const SensorModel sensor;
-    view.tolerance = Tolerance{[&](double z_m) { return sensor.sigma_z_m(z_m, 0) * 3 / 5; }};
+    view.tolerance = Tolerance{[&](double z_m) { return kDetailShare * sensor.sigma_z_m(z_m, 0); }};
     (*context)->meshes().finish(model);
   }
   for (auto _ : state) {

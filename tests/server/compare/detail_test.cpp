@@ -94,7 +94,7 @@ TEST_F(DetailTest, LabelsAreThoseOfEveryTriangle) {
   input_.measured = &measured;
   input_.detail_share = 0;
   const auto exact = comparator_->compare(input_, nullptr);
-  input_.detail_share = 0.2;
+  input_.detail_share = kDetailShare;
   const auto detail = comparator_->compare(input_, nullptr);
   ASSERT_TRUE(exact && detail);
   std::size_t same = 0;
@@ -114,7 +114,7 @@ TEST_F(DetailTest, LabelsAreThoseOfEveryTriangle) {
 TEST_F(DetailTest, DeviationsKeepToTheShareOfSigma) {
   const SensorModel sensor;
   const auto exact = depth(Tolerance{});
-  const auto detail = depth(Tolerance{[&](double z_m) { return 1.0 * sensor.sigma_z_m(z_m, 0); }});
+  const auto detail = depth(Tolerance{[&](double z_m) { return kDetailShare * sensor.sigma_z_m(z_m, 0); }});
   double squares = 0;
   double largest = 0;
   for (std::size_t i = 0; i < exact.size(); ++i) {
@@ -123,7 +123,7 @@ TEST_F(DetailTest, DeviationsKeepToTheShareOfSigma) {
     squares += in_sigma * in_sigma;
     largest = std::max(largest, std::abs(in_sigma));
   }
-  EXPECT_LE(std::sqrt(squares / static_cast<double>(exact.size())), 0.2);
+  EXPECT_LE(std::sqrt(squares / static_cast<double>(exact.size())), kDetailShare);
   RecordProperty("rms_in_sigma", std::to_string(std::sqrt(squares / static_cast<double>(exact.size()))));
   RecordProperty("largest_in_sigma", std::to_string(largest));
 }
