@@ -1,4 +1,5 @@
-// Thresholds: what both passes of the comparison share. The formulas are derived in server/compare/README.md.
+// Thresholds: what both passes of the comparison share. The formulas are derived in server/compare/README.md. Without
+// EVERY_TERM the intrinsics are exact and one frame was measured: a software renderer pays for terms that are zero.
 const float kHalfPi = 1.57079632679;
 const float kSensorLimit = 1.39626340160;      // 80 degrees: beyond, the sensor's noise is not known to grow
 const float kCosSteepest = 0.03489949670;      // 88 degrees
@@ -78,8 +79,21 @@ float lateral_sigma_px(float theta) {
 
 // Of J d for the error d of the intrinsics (fx, fy, cx, cy).
 float intrinsics_variance(vec4 J) {
+#ifdef EVERY_TERM
   float crossed = dot(covariance_fx, J.x * J.yzw) + dot(covariance_fy, vec3(J.y * J.z, J.y * J.w, J.z * J.w));
   return max(0.0, dot(variance_intrinsics, J * J) + 2.0 * crossed);
+#else
+  return 0.0;
+#endif
+}
+
+// Of how many frames the measurement is the mean.
+float frames_at(ivec2 pixel) {
+#ifdef EVERY_TERM
+  return sensor_axial.w > 0.0 ? max(1.0, imageLoad(frames_image, pixel).r) : 1.0;
+#else
+  return 1.0;
+#endif
 }
 
 // How the pixel sees what is expected there; where nothing is, a plane across the ray through what was measured.
@@ -110,12 +124,10 @@ Sight sight_at(ivec2 pixel, float measured_m, float expected_m) {
 // kNoThreshold_m where nothing can be told.
 float threshold_at(ivec2 pixel, Sight sight, float measured_m, float expected_m) {
   if (fixed_threshold_m() > 0.0) return fixed_threshold_m();
-  bool is_averaged = sensor_axial.w > 0.0;
-  float frames = is_averaged ? max(1.0, imageLoad(frames_image, pixel).r) : 1.0;
   float z2 = sight.z_m * sight.z_m;
   float lateral_m = lateral_sigma_px(sight.theta) * z2 * length(sight.inverse_depth_slope);
   vec2 by_centre = z2 * sight.plane.xy / intrinsics.xy;  // derivative of the expected depth by cx, cy
-  float variance = sensor_variance(max(expected_m, measured_m), sight.theta, frames) + lateral_m * lateral_m +
+  float variance = sensor_variance(max(expected_m, measured_m), sight.theta, frames_at(pixel)) + lateral_m * lateral_m +
                    z2 * pose_variance(sight.plane, sight.p) +
                    intrinsics_variance(vec4(by_centre * sight.ray.xy, by_centre)) + threshold_by.z;
   float threshold_m = sigmas() * sqrt(variance);

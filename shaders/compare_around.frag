@@ -31,27 +31,27 @@ bool continues(float inverse_depth, float z_m, float threshold_m) {
   return inverse_depth > 0.0 && abs(z_m * inverse_depth - 1.0) <= threshold_m * inverse_depth;
 }
 
+// Without branches: a software renderer pays for each of them at every step.
 uint label_at(ivec2 pixel, float measured_m, float expected_m, float threshold_m, int reach_px, vec2 inverse_depth_slope) {
-  float nearest_m = expected_m;
+  bool is_modelled = expected_m > 0.0;
+  float inverse_depth = is_modelled ? 1.0 / expected_m : 0.0;
+  float nearest_m = is_modelled ? expected_m : kNoThreshold_m;
   float farthest_m = expected_m;
-  bool has_gap = !(expected_m > 0.0);
-  ivec2 last = imageSize(expected_image) - 1;
+  float least_m = expected_m;
   ivec2 from = max(pixel - reach_px, ivec2(0));
-  ivec2 to = min(pixel + reach_px, last);
+  ivec2 to = min(pixel + reach_px, imageSize(expected_image) - 1);
   for (int v = from.y; v <= to.y; ++v) {
+    float row = inverse_depth + inverse_depth_slope.y * float(v - pixel.y);
     for (int u = from.x; u <= to.x; ++u) {
       float z_m = imageLoad(expected_image, ivec2(u, v)).r;
-      if (!(z_m > 0.0)) {
-        has_gap = true;
-        continue;
-      }
-      float inverse_depth = 1.0 / expected_m + dot(inverse_depth_slope, vec2(ivec2(u, v) - pixel));
-      if (expected_m > 0.0 && continues(inverse_depth, z_m, threshold_m)) continue;
-      nearest_m = nearest_m > 0.0 ? min(nearest_m, z_m) : z_m;
-      farthest_m = max(farthest_m, z_m);
+      float here = row + inverse_depth_slope.x * float(u - pixel.x);
+      bool is_other = z_m > 0.0 && !(is_modelled && continues(here, z_m, threshold_m));
+      nearest_m = is_other ? min(nearest_m, z_m) : nearest_m;
+      farthest_m = is_other ? max(farthest_m, z_m) : farthest_m;
+      least_m = min(least_m, z_m);
     }
   }
-  return classify(measured_m, expected_m, threshold_m, nearest_m, farthest_m, has_gap);
+  return classify(measured_m, expected_m, threshold_m, nearest_m < kNoThreshold_m ? nearest_m : 0.0, farthest_m, !(least_m > 0.0));
 }
 
 void main() {
