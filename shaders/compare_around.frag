@@ -51,7 +51,8 @@ uint label_at(ivec2 pixel, float measured_m, float expected_m, float threshold_m
       least_m = min(least_m, z_m);
     }
   }
-  return classify(measured_m, expected_m, threshold_m, nearest_m < kNoThreshold_m ? nearest_m : 0.0, farthest_m, !(least_m > 0.0));
+  nearest_m = farthest_m > 0.0 ? nearest_m : 0.0;
+  return classify(measured_m, expected_m, threshold_m, nearest_m, farthest_m, !(least_m > 0.0));
 }
 
 void main() {

@@ -10,7 +10,7 @@
 namespace meshloop {
 
 /// How far a drawn surface may lie from the model's as root mean square, by its depth in the picture; single points may
-/// by kLargestByError times as much. Zero everywhere: every triangle is drawn.
+/// by kLargestPerError times as much. Without a function: every triangle is drawn.
 class Tolerance {
  public:
   /// Nothing may differ.

@@ -147,10 +147,10 @@ class Builder {
     }
   }
 
-  /// Steps of one level after the other lean to no common side: their mean squares add up. Their largest ones may.
+  /// One level steps to either side of the one before, so mean squares add up; the largest distances may add as well.
   Deviation deviation_over(const std::vector<std::uint32_t>& members, const Deviation& last) const {
     float largest_m = 0;
-    float worst = 0;
+    float worst_square = 0;
     float sum = 0;
     float area_m2 = 0;
     for (const auto member : members) {
@@ -160,11 +160,11 @@ class Builder {
       const Deviation& earlier = deviations_[static_cast<std::size_t>(made_by)];
       const float square = earlier.rms_m * earlier.rms_m;
       largest_m = std::max(largest_m, earlier.largest_m);
-      worst = std::max(worst, square);
+      worst_square = std::max(worst_square, square);
       sum += active_[member].area_m2 * square;
     }
     const float below = area_m2 > 0 ? sum / area_m2 : 0;
-    return {largest_m + last.largest_m, std::sqrt(std::max(worst, below + last.rms_m * last.rms_m))};
+    return {largest_m + last.largest_m, std::sqrt(std::max(worst_square, below + last.rms_m * last.rms_m))};
   }
 
   void add_group(const std::vector<std::uint32_t>& members, const Deviation& last) {
@@ -175,7 +175,7 @@ class Builder {
       if (made_by != Cluster::kNone) group.bounds.extend(result_.groups[static_cast<std::size_t>(made_by)].bounds);
     }
     const Deviation& deviation = deviations_.emplace_back(deviation_over(members, last));
-    group.error_m = std::max(deviation.rms_m, deviation.largest_m / kLargestByError);
+    group.error_m = std::max(deviation.rms_m, deviation.largest_m / kLargestPerError);
     group.first_member = static_cast<std::uint32_t>(result_.members.size());
     group.member_count = static_cast<std::uint32_t>(members.size());
     for (const auto member : members) result_.members.push_back(active_[member].index);

@@ -10,15 +10,15 @@
 namespace meshloop {
 
 /// No vertex of the original surface lies farther from a group's replacement than this many times its error.
-inline constexpr float kLargestByError = 10;
+inline constexpr float kLargestPerError = 10;
 
 /// Clusters that were replaced together by fewer triangles. On the border of a group nothing moves, so a picture may
 /// show one group coarse and its neighbour fine, and no crack opens.
 struct ClusterGroup {
   /// In the submesh's frame, metres: encloses the boxes of all groups that it goes back to, and their triangles.
   Eigen::AlignedBox3f bounds;
-  /// Root mean square distance of the original surface from the group's replacement, or more where the largest one asks
-  /// for it; at least the errors of the groups that it goes back to.
+  /// Estimate of the root mean square distance of the original surface from the group's replacement (README.md), or
+  /// more where the largest one asks for it; at least the errors of the groups that it goes back to.
   float error_m = 0;
   /// The clusters that it replaces: positions in ClusterHierarchy::members.
   std::uint32_t first_member = 0;

@@ -62,16 +62,16 @@ class DeviationSearch {
         seen_(before.vertices.size(), 0) {}
 
   Deviation measure() {
-    float largest = 0;
+    float largest_square = 0;
     std::vector<float> distances_m(before_.vertices.size(), 0);
     for (std::uint32_t vertex = 0; vertex < distances_m.size(); ++vertex) {
       if (!new_triangles_.at(vertex).empty()) continue;
       float square = nearby(vertex);
-      if (square > largest) square = to_all(vertex);
-      largest = std::max(largest, square);
+      if (square > largest_square) square = to_all(vertex);
+      largest_square = std::max(largest_square, square);
       distances_m[vertex] = std::sqrt(square);
     }
-    return {std::sqrt(largest), root_mean_square(before_, distances_m)};
+    return {std::sqrt(largest_square), root_mean_square(before_, distances_m)};
   }
 
  private:

@@ -173,7 +173,8 @@ void GlComparator::draw(const CompareInput& input) {
   glViewport(0, 0, targets_.width, targets_.height);
   bind_image(0, targets_.measured.name());
   bind_image(1, renderer_->depth_texture());
-  bind_image(2, targets_.frames_averaged.name());
+  // Some programs read it in any case, and use it only for a mean of frames; what is in the cache already costs less.
+  bind_image(2, (input.frames_averaged != nullptr ? targets_.frames_averaged : targets_.measured).name());
   glBindVertexArray(no_vertices_.name());
   const Passes& passes = programs_.for_input(input);
   const Parameters parameters = parameters_of(input);

@@ -1,6 +1,6 @@
 // One whole frame of difference detection (upload, render or cast, compare, label, regions), for models and pictures of
-// several sizes: on the GPU with levels of detail and with every triangle, and with Embree's rays and the comparison on
-// the CPU. tests/bench/table.py makes a table with ratios of the JSON output.
+// several sizes: on the GPU with levels of detail and with every triangle, by the reference on the CPU, and with
+// Embree's rays and the comparison on the CPU. tests/bench/table.py makes a table with ratios of the JSON output.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -109,6 +109,21 @@ void on_gpu(benchmark::State& state, const Scene& scene, int width, int height, 
   }
 }
 
+/// The reference of the tests: one thread, double precision, every triangle.
+void on_cpu(benchmark::State& state, const Scene& scene, int width, int height) {
+  world().show(scene);
+  const Camera camera = kinect(width, height);
+  const DepthImage measured = measured_by(camera);
+  const CompareInput input = input_of(measured, camera);
+  RegionTracker regions{RegionOptions{}};
+  DepthImage depth;
+  Image<std::uint32_t> nodes;
+  for (auto _ : state) {
+    render_on_cpu(world().model, camera, Pose::Identity(), depth, nodes);
+    benchmark::DoNotOptimize(regions.update(compare_on_cpu(input, depth, nodes), measured, camera, Pose::Identity()));
+  }
+}
+
 #ifdef MESHLOOP_EMBREE
 /// A band of rows as a picture of its own.
 template <class T>
@@ -180,8 +195,9 @@ void add_all() {
         const std::string name = fmt::format("{}/{}/{}x{}", surface, triangles, width, height);
         const int w = width;
         const int h = height;
-        add(name + "/detail", [=](benchmark::State& state) { on_gpu(state, scene, w, h, 0.2); });
+        add(name + "/detail", [=](benchmark::State& state) { on_gpu(state, scene, w, h, kDetailShare); });
         add(name + "/exact", [=](benchmark::State& state) { on_gpu(state, scene, w, h, 0); });
+        add(name + "/cpu", [=](benchmark::State& state) { on_cpu(state, scene, w, h); });
 #ifdef MESHLOOP_EMBREE
         add(name + "/embree", [=](benchmark::State& state) { with_embree(state, scene, w, h, true); });
         add(name + "/embree_rays_alone", [=](benchmark::State& state) { with_embree(state, scene, w, h, false); });

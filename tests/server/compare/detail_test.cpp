@@ -8,6 +8,7 @@
 #include "common/gpu/mesh_cache.h"
 #include "common/gpu/scene_renderer.h"
 #include "server/compare/comparator.h"
+#include "server/compare/region_tracker.h"
 
 namespace meshloop {
 namespace {
@@ -109,6 +110,23 @@ TEST_F(DetailTest, LabelsAreThoseOfEveryTriangle) {
   EXPECT_GE(static_cast<double>(same_where_unchanged), 0.999 * static_cast<double>(measured.size() / 2));
   // Every pixel of the other half lies on the edge of the decision.
   EXPECT_GE(static_cast<double>(same), 0.96 * static_cast<double>(measured.size()));
+}
+
+TEST_F(DetailTest, NoDeviationBecomesARegion) {
+  const DepthImage exact = depth(Tolerance{});
+  std::mt19937 random{3};
+  std::normal_distribution<float> noise;
+  RegionTracker tracker{RegionOptions{}};
+  for (int i = 0; i < 12; ++i) {
+    DepthImage measured = exact;
+    for (float& z : measured.pixels()) {
+      z += static_cast<float>(input_.sensor.sigma_z_m(static_cast<double>(z), 0)) * noise(random);
+    }
+    input_.measured = &measured;
+    const auto detail = comparator_->compare(input_, nullptr);
+    ASSERT_TRUE(detail);
+    EXPECT_TRUE(tracker.update(*detail, measured, input_.camera, Pose::Identity()).regions.empty()) << i;
+  }
 }
 
 TEST_F(DetailTest, DeviationsKeepToTheShareOfSigma) {

@@ -84,6 +84,7 @@ class SimulatedViewTest : public testing::Test {
     input.pose.T_camera_world = T_camera_world;
     input.measured = &measured;
     input.frames_averaged = frames_averaged;
+    input.wait_for_detail = true;
     auto result = comparator_->compare(input, nullptr);
     EXPECT_TRUE(result) << (result ? "" : result.error().message);
     return result ? std::move(*result) : Comparison{};
