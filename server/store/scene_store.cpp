@@ -239,7 +239,8 @@ Status make_sure_it_is_there(const std::filesystem::path& file, bool create) {
   const auto status = std::filesystem::status(file, error);
   if (std::filesystem::is_directory(status)) return fail(fmt::format("'{}' is a folder, not a scene", file.string()));
   if (!std::filesystem::exists(status)) {
-    return create ? create_scene_file(file) : fail(fmt::format("the scene '{}' does not exist", file.string()));
+    return create ? create_scene_file(file)
+                  : fail(fmt::format("the scene '{}' does not exist; `scene import` makes one", file.string()));
   }
   if (!std::filesystem::is_regular_file(status)) {
     return fail(fmt::format("'{}' is not a regular file, hence not a scene", file.string()));
