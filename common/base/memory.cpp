@@ -14,4 +14,10 @@ void keep_memory_between_frames() {
 #endif
 }
 
+void give_memory_back() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
 }  // namespace meshloop

@@ -7,4 +7,8 @@ namespace meshloop {
 /// of the handheld's time. Afterwards up to 32 MB stay with the process.
 void keep_memory_between_frames();
 
+/// After a large piece of work that will not come again soon: what the C library keeps of it, from all threads, goes
+/// back to the kernel. Some milliseconds.
+void give_memory_back();
+
 }  // namespace meshloop

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/base/clock.h"
+#include "common/base/memory.h"
 #include "common/gpu/projection.h"
 
 namespace meshloop {
@@ -96,7 +97,12 @@ void MeshCache::finish(const Model& model) {
   // Somebody waits: threads that yield would wait for every other program on the machine.
   update(model, true, HierarchyBuilder::Priority::normal);
   if (!builder_) return;
-  while (builder_->wait_for_next()) refine_ready(std::numeric_limits<double>::infinity());
+  bool is_new = false;
+  while (builder_->wait_for_next()) {
+    refine_ready(std::numeric_limits<double>::infinity());
+    is_new = true;
+  }
+  if (is_new) give_memory_back();
 }
 
 void MeshCache::refine_ready(double milliseconds) {
