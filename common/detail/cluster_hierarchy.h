@@ -55,7 +55,7 @@ struct ClusterHierarchy {
   std::uint32_t first_unreplaced = 0;
 };
 
-/// 4 us a triangle on one core. The submesh must be valid.
+/// 3 to 5 us a triangle on one core. The submesh must be valid.
 [[nodiscard]] ClusterHierarchy build_hierarchy(const Submesh& submesh);
 
 }  // namespace meshloop

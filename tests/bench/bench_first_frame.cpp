@@ -88,27 +88,20 @@ void first_frame(benchmark::State& state) {
   }
 }
 
+void once_a_size(benchmark::internal::Benchmark* bench) {
+  for (const std::int64_t triangles : {15'000, 500'000, 2'500'000}) bench->Arg(triangles);
+  bench->Iterations(1)->UseRealTime()->Unit(benchmark::kMillisecond);
+}
+
 #ifdef MESHLOOP_EMBREE
 void embree_build(benchmark::State& state) {
   const Model model = bench::room(state.range(0));
   for (auto _ : state) bench::EmbreeScene scene{model, 2};
 }
-BENCHMARK(embree_build)
-    ->Arg(15'000)
-    ->Arg(500'000)
-    ->Arg(2'500'000)
-    ->Iterations(1)
-    ->UseRealTime()
-    ->Unit(benchmark::kMillisecond);
+BENCHMARK(embree_build)->Apply(once_a_size);
 #endif
 
-BENCHMARK(first_frame)
-    ->Arg(15'000)
-    ->Arg(500'000)
-    ->Arg(2'500'000)
-    ->Iterations(1)
-    ->UseRealTime()
-    ->Unit(benchmark::kMillisecond);
+BENCHMARK(first_frame)->Apply(once_a_size);
 
 }  // namespace
 }  // namespace meshloop
