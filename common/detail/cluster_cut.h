@@ -40,7 +40,8 @@ struct TriangleRange {
   std::uint32_t count = 0;
 };
 
-/// Clusters that touch the view, in the detail that the tolerance asks for. One thread; keeps its memory.
+/// Clusters that touch the view, in the detail that the tolerance asks for. With an exact tolerance all that touch it;
+/// else none that only shows the far side of a closed part. One thread; keeps its memory.
 class ClusterCut {
  public:
   /// Valid until the next call.
@@ -48,6 +49,7 @@ class ClusterCut {
 
  private:
   std::vector<char> is_fine_enough_;
+  std::vector<char> is_seen_from_outside_;
   std::vector<TriangleRange> ranges_;
 };
 

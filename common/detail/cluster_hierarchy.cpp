@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "common/detail/closed_parts.h"
 #include "common/detail/grouping.h"
 #include "common/detail/local_mesh.h"
 #include "common/detail/simplify.h"
@@ -47,12 +48,23 @@ std::vector<std::vector<Triangle>> cut(const LocalMesh& local) {
   return clusters;
 }
 
+NormalCone normals_of(const std::vector<Eigen::Vector3f>& positions, const std::vector<Triangle>& triangles) {
+  const meshopt_Bounds bounds =
+      meshopt_computeClusterBounds(triangles.front().data(), 3 * triangles.size(), positions.front().data(),
+                                   positions.size(), sizeof(Eigen::Vector3f));
+  NormalCone cone;
+  std::copy(std::begin(bounds.cone_axis_s8), std::end(bounds.cone_axis_s8), cone.axis.begin());
+  cone.cutoff = bounds.cone_cutoff_s8;
+  return cone;
+}
+
 class Builder {
  public:
   explicit Builder(const Submesh& submesh) : submesh_{submesh}, cutter_{submesh.positions} {}
 
   ClusterHierarchy build() {
     weld();
+    find_closed_parts();
     add_finest();
     while (active_.size() > 1 && add_level()) {
     }
@@ -74,6 +86,15 @@ class Builder {
     for (std::size_t t = 0; t < triangles.size(); ++t) {
       for (std::size_t k = 0; k < 3; ++k) place_of_[triangles[t][k]] = welded[t][k];
     }
+  }
+
+  void find_closed_parts() {
+    std::vector<Triangle> welded;
+    welded.reserve(submesh_.triangles.size());
+    for (const auto& [a, b, c] : submesh_.triangles) welded.push_back({place_of_[a], place_of_[b], place_of_[c]});
+    ClosedParts parts = closed_parts_of(submesh_.positions, welded);
+    part_of_ = std::move(parts.of_vertex);
+    result_.closed_parts = std::move(parts.bounds);
   }
 
   void add_finest() {
@@ -103,9 +124,20 @@ class Builder {
     cluster.triangle_count = static_cast<std::uint32_t>(triangles.size());
     cluster.bounds = bounds;
     cluster.made_by = made_by;
+    cluster.closed_part = closed_part_of(triangles);
+    if (cluster.closed_part != Cluster::kNone) cluster.normals = normals_of(submesh_.positions, triangles);
     result_.triangles.insert(result_.triangles.end(), triangles.begin(), triangles.end());
     result_.clusters.push_back(cluster);
     return static_cast<std::uint32_t>(result_.clusters.size() - 1);
+  }
+
+  /// None unless all triangles are of the same part.
+  std::int32_t closed_part_of(const std::vector<Triangle>& triangles) const {
+    const auto part_of = [&](const Triangle& triangle) { return part_of_[place_of_[triangle.front()]]; };
+    const std::int32_t part = part_of(triangles.front());
+    const bool is_one = std::all_of(triangles.begin(), triangles.end(),
+                                    [&](const Triangle& triangle) { return part_of(triangle) == part; });
+    return is_one ? part : Cluster::kNone;
   }
 
   /// False when the level brought too little for another one to be worth its work.
@@ -203,6 +235,8 @@ class Builder {
   const Submesh& submesh_;
   PartCutter cutter_;
   std::vector<std::uint32_t> place_of_;
+  /// By vertex, of those that stand for a place: its closed part.
+  std::vector<std::int32_t> part_of_;
   std::vector<WorkingCluster> active_;
   /// Of each group's replacement from the original surface.
   std::vector<Deviation> deviations_;

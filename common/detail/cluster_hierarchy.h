@@ -2,6 +2,7 @@
 // A submesh in levels of detail, so that drawing costs what the picture shows and not what the model holds.
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -25,6 +26,13 @@ struct ClusterGroup {
   std::uint32_t member_count = 0;
 };
 
+/// All normals of a cluster lie within a cone. In 127ths, as meshoptimizer rounds them to the safe side.
+struct NormalCone {
+  std::array<std::int8_t, 3> axis{};
+  /// Sine of half the cone's angle; 127: the normals do not keep to a cone.
+  std::int8_t cutoff = 127;
+};
+
 /// Neighbouring triangles that are drawn or left out together.
 struct Cluster {
   /// Positions in ClusterHierarchy::triangles.
@@ -33,6 +41,10 @@ struct Cluster {
   Eigen::AlignedBox3f bounds;
   /// The group whose replacement it is a part of; none: original triangles.
   std::int32_t made_by = kNone;
+  /// All its triangles are of this one of ClusterHierarchy::closed_parts; none: they are of several, or may be seen
+  /// from either side.
+  std::int32_t closed_part = kNone;
+  NormalCone normals;
 
   static constexpr std::int32_t kNone = -1;
 };
@@ -53,6 +65,9 @@ struct ClusterHierarchy {
   /// of triangles without area are in none.
   std::vector<std::uint32_t> members;
   std::uint32_t first_unreplaced = 0;
+  /// Boxes around the parts of the surface that are closed and face outwards. Whoever looks at one from outside sees
+  /// none of its triangles that face away.
+  std::vector<Eigen::AlignedBox3f> closed_parts;
 };
 
 /// 3 to 5 us a triangle on one core. The submesh must be valid.

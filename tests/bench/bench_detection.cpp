@@ -51,7 +51,9 @@ struct World {
     }
     if (scene == wanted) return;
     scene = wanted;
-    model = wanted.name == "room" ? bench::room(wanted.triangles) : bench::relief(wanted.triangles);
+    static const std::map<std::string, Model (*)(std::int64_t)> kScenes{
+        {"relief", bench::relief}, {"room", bench::room}, {"stones", bench::stones}};
+    model = kScenes.at(wanted.name)(wanted.triangles);
 #ifdef MESHLOOP_EMBREE
     embree.reset();
 #endif
@@ -70,12 +72,14 @@ DepthImage measured_by(const Camera& camera) {
   world().renderer->render(world().model, view);
   DepthImage depth = world().renderer->read_depth();
   for (int v = camera.height / 4; v < camera.height / 2; ++v) {
-    for (int u = camera.width / 4; u < camera.width / 2; ++u) depth(u, v) -= 0.2F;
+    for (int u = camera.width / 4; u < camera.width / 2; ++u) depth(u, v) = std::max(0.0F, depth(u, v) - 0.2F);
   }
   std::mt19937 random{1};
   std::normal_distribution<double> normal;
   const SensorModel sensor = CompareInput{}.sensor;
-  for (float& z : depth.pixels()) z += static_cast<float>(sensor.sigma_z_m(static_cast<double>(z), 0) * normal(random));
+  for (float& z : depth.pixels()) {
+    if (z > 0) z += static_cast<float>(sensor.sigma_z_m(static_cast<double>(z), 0) * normal(random));
+  }
   return depth;
 }
 
@@ -188,7 +192,7 @@ void add(const std::string& name, const std::function<void(benchmark::State&)>& 
 
 void add_all() {
   constexpr std::array<std::pair<int, int>, 3> kPictures{{{176, 144}, {320, 240}, {640, 480}}};
-  for (const char* surface : {"relief", "room"}) {
+  for (const char* surface : {"relief", "room", "stones"}) {
     for (const std::int64_t triangles : {1'280, 15'000, 111'000, 500'000, 1'000'000, 2'500'000}) {
       for (const auto& [width, height] : kPictures) {
         const Scene scene{surface, triangles};

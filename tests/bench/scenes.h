@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -102,6 +103,55 @@ inline Model room(std::int64_t triangles) {
       p[axis] -= side * (bay + 0.15F + roughness(p.x(), p.y(), p.z()));
       return p;
     });
+  }
+  return model;
+}
+
+/// A closed surface around the origin, `rings` from pole to pole; `at` gives the point in a direction of length one.
+inline Submesh closed_surface(int rings, const std::function<Eigen::Vector3f(const Eigen::Vector3f&)>& at) {
+  const int around = 2 * rings;
+  Submesh submesh;
+  const auto add = [&](double polar, double angle) {
+    const Eigen::Vector3d direction{std::sin(polar) * std::cos(angle), std::sin(polar) * std::sin(angle),
+                                    std::cos(polar)};
+    submesh.positions.push_back(at(direction.cast<float>()));
+  };
+  add(0, 0);
+  for (int ring = 1; ring < rings; ++ring) {
+    for (int k = 0; k < around; ++k) add(std::numbers::pi * ring / rings, 2 * std::numbers::pi * k / around);
+  }
+  add(std::numbers::pi, 0);
+  const auto last = static_cast<std::uint32_t>(submesh.positions.size() - 1);
+  const auto vertex = [&](int ring, int k) {
+    if (ring == 0 || ring == rings) return ring == 0 ? 0U : last;
+    return static_cast<std::uint32_t>(1 + (ring - 1) * around + k % around);
+  };
+  for (int ring = 0; ring < rings; ++ring) {
+    for (int k = 0; k < around; ++k) {
+      if (ring > 0) submesh.triangles.push_back({vertex(ring, k), vertex(ring + 1, k), vertex(ring, k + 1)});
+      if (ring + 1 < rings)
+        submesh.triangles.push_back({vertex(ring, k + 1), vertex(ring + 1, k), vertex(ring + 1, k + 1)});
+    }
+  }
+  return submesh;
+}
+
+/// 42 rough stones, closed and each a node, 2 m in front of the camera and no farther apart than they are large.
+inline Model stones(std::int64_t triangles) {
+  constexpr int kAcross = 7;
+  constexpr int kDown = 6;
+  const int rings =
+      std::max(3, static_cast<int>(std::lround(std::sqrt(static_cast<double>(triangles) / (4 * kAcross * kDown)))));
+  Model model;
+  for (int i = 0; i < kAcross * kDown; ++i) {
+    const Eigen::Vector3f center{0.28F * static_cast<float>(i % kAcross - 3),
+                                 0.28F * (static_cast<float>(i / kAcross) - 2.5F),
+                                 2 + 0.2F * std::sin(static_cast<float>(i))};
+    auto stone = closed_surface(rings, [&](const Eigen::Vector3f& direction) {
+      const Eigen::Vector3f p = center + 0.14F * direction;
+      return Eigen::Vector3f{p + (0.01F * std::sin(20 * (p.x() + p.y())) + roughness(p.x(), p.y(), p.z())) * direction};
+    });
+    model.nodes.push_back(make_node(model.nodes.size() + 1, "stone", std::move(stone)));
   }
   return model;
 }

@@ -15,10 +15,11 @@
 namespace meshloop {
 namespace {
 
-/// Everything within 100 m on every side is in view, and w is the depth along z plus `ahead_m`.
+/// Everything within 100 m on every side is in view, and w is the depth along z plus `ahead_m`. There is no eye, so
+/// that either side of a closed part is shown.
 Eigen::Matrix4f all_around(float ahead_m) {
   Eigen::Matrix4f clip = Eigen::Matrix4f::Zero();
-  for (int axis = 0; axis < 3; ++axis) clip(axis, axis) = 0.001f;
+  clip(0, 0) = clip(2, 2) = 0.001f;
   clip(3, 2) = 1;
   clip(3, 3) = ahead_m;
   return clip;
@@ -169,6 +170,101 @@ TEST(ClusterCut, WhatLiesBesideTheViewIsLeftOut) {
   }
   EXPECT_GE(shown.size(), inside);
   EXPECT_LT(shown.size(), inside + mesh.triangles.size() / 8);
+}
+
+/// A camera on the z axis that looks along it with a view of 90 degrees, from 0.1 m on.
+Eigen::Matrix4f seen_from(float z_m) {
+  Eigen::Matrix4f clip = Eigen::Matrix4f::Zero();
+  clip(0, 0) = clip(1, 1) = 1;
+  clip(2, 2) = 1;
+  clip(2, 3) = -z_m - 0.2f;
+  clip(3, 2) = 1;
+  clip(3, 3) = -z_m;
+  return clip;
+}
+
+/// How many triangles that show their front to a point on the z axis are left out, and how many in all.
+struct LeftOut {
+  std::size_t fronts = 0;
+  std::size_t all = 0;
+};
+
+LeftOut left_out(const Submesh& mesh, const Eigen::Matrix4f& clip, const Tolerance& tolerance, float eye_z_m) {
+  CutView view;
+  view.clip_from_mesh = clip;
+  view.tolerance = &tolerance;
+  const auto all = sorted(mesh.triangles);
+  const auto shown = sorted(chosen(build_hierarchy(mesh), view));
+  EXPECT_TRUE(std::ranges::includes(all, shown));
+  LeftOut result;
+  for (const auto& triangle : all) {
+    if (std::ranges::binary_search(shown, triangle)) continue;
+    const Eigen::Vector3f to_eye = Eigen::Vector3f{0, 0, eye_z_m} - mesh.positions[triangle[0]];
+    result.fronts += normal_of(mesh.positions, triangle).dot(to_eye) > 0 ? 1 : 0;
+    ++result.all;
+  }
+  return result;
+}
+
+/// So little that no level but the finest keeps to it, yet not exact.
+const Tolerance kFinest = everywhere(1e-9);
+
+TEST(ClusterCut, TheFarSideOfAClosedPartIsLeftOut) {
+  const auto mesh = test::ball(60);
+  const auto [fronts, all] = left_out(mesh, seen_from(-4), kFinest, -4);
+  EXPECT_EQ(fronts, 0U);
+  EXPECT_GT(all, mesh.triangles.size() / 3);
+}
+
+TEST(ClusterCut, WhatMayBeSeenFromBehindIsShown) {
+  const auto ball = test::ball(60);
+  Submesh holed = ball;
+  holed.triangles.pop_back();
+  for (const auto& mesh : {holed, test::inside_out(ball), test::hills(60)}) {
+    EXPECT_EQ(left_out(mesh, seen_from(-4), kFinest, -4).all, 0U);
+  }
+  EXPECT_EQ(left_out(ball, seen_from(-4), Tolerance{}, -4).all, 0U) << "every triangle was asked for";
+  EXPECT_EQ(left_out(ball, all_around(2), kFinest, -4).all, 0U) << "there is no eye";
+  Eigen::Matrix4f parallel = Eigen::Matrix4f::Identity();
+  parallel.topLeftCorner<3, 3>() *= 0.1f;
+  EXPECT_EQ(left_out(ball, parallel, kFinest, -4).all, 0U);
+}
+
+bool is_in_view(const Eigen::Matrix4f& clip, const Eigen::Vector3f& p) {
+  const Eigen::Vector4f seen = clip * p.homogeneous();
+  return seen.head<3>().cwiseAbs().maxCoeff() < seen.w();
+}
+
+TEST(ClusterCut, AClosedPartIsShownWholeFromInsideAndThroughTheNearPlane) {
+  const auto ball = test::ball(60);
+  const auto hierarchy = build_hierarchy(ball);
+  for (const float eye_z_m : {0.0f, -1.05f}) {
+    CutView view;
+    view.clip_from_mesh = seen_from(eye_z_m);
+    view.tolerance = &kFinest;
+    const auto shown = sorted(chosen(hierarchy, view));
+    std::size_t in_view = 0;
+    for (const auto& triangle : sorted(ball.triangles)) {
+      if (!std::ranges::any_of(triangle, [&](auto v) { return is_in_view(view.clip_from_mesh, ball.positions[v]); })) {
+        continue;
+      }
+      ++in_view;
+      EXPECT_TRUE(std::ranges::binary_search(shown, triangle));
+    }
+    EXPECT_GT(in_view, ball.triangles.size() / 20);
+  }
+}
+
+TEST(ClusterCut, EachPartIsClosedForItself) {
+  const auto ball = test::ball(60);
+  Submesh holed = ball;
+  holed.triangles.erase(holed.triangles.begin());
+  const auto alone = left_out(ball, seen_from(-4), kFinest, -4).all;
+  EXPECT_EQ(left_out(test::beside(ball, test::ball(30), 2), seen_from(-8), kFinest, -8).fronts, 0U);
+  // A cluster may hold triangles of both, so a few more are shown.
+  const auto with_open = left_out(test::beside(ball, holed, 0.5f), seen_from(-4), kFinest, -4).all;
+  EXPECT_GT(with_open, alone * 9 / 10);
+  EXPECT_LE(with_open, alone);
 }
 
 TEST(Tolerance, IsNeverMoreThanAskedForAtAnyFartherDepth) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <utility>
 
 #include "common/mesh/submesh.h"
 
@@ -52,6 +53,20 @@ inline Submesh ball(std::uint32_t rings) {
       mesh.triangles.push_back({at(ring, k), at(ring + 1, k + 1), at(ring, k + 1)});
     }
   }
+  return mesh;
+}
+
+/// Both in one submesh; the second moved along x.
+inline Submesh beside(const Submesh& one, const Submesh& other, float along_x_m) {
+  Submesh both = one;
+  const auto first = static_cast<std::uint32_t>(both.positions.size());
+  for (const auto& p : other.positions) both.positions.emplace_back(p.x() + along_x_m, p.y(), p.z());
+  for (const auto& [a, b, c] : other.triangles) both.triangles.push_back({a + first, b + first, c + first});
+  return both;
+}
+
+inline Submesh inside_out(Submesh mesh) {
+  for (auto& triangle : mesh.triangles) std::swap(triangle[0], triangle[1]);
   return mesh;
 }
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace meshloop {
 namespace {
@@ -256,6 +257,63 @@ TEST_F(SceneRendererTest, APartAloneIsDrawnAsInTheWholePicture) {
   view_.nodes = view_.color = true;
   renderer_->render(model, view_);
   EXPECT_EQ(renderer_->read_depth(), depth);
+}
+
+/// A closed tube of 3 cm along a trefoil knot of 0.3 m, which hides parts of itself from everywhere.
+Submesh knot() {
+  constexpr int kAlong = 400;
+  constexpr int kAround = 24;
+  const auto middle = [](double t) -> Eigen::Vector3d {
+    return Eigen::Vector3d{std::sin(t) + 2 * std::sin(2 * t), std::cos(t) - 2 * std::cos(2 * t), -std::sin(3 * t)} / 10;
+  };
+  Submesh submesh;
+  for (int i = 0; i < kAlong; ++i) {
+    const double t = 2 * std::numbers::pi * i / kAlong;
+    const Eigen::Vector3d along = (middle(t + 1e-4) - middle(t - 1e-4)).normalized();
+    const Eigen::Vector3d side = along.cross(Eigen::Vector3d::UnitZ()).normalized();
+    const Eigen::Vector3d up = side.cross(along);
+    for (int k = 0; k < kAround; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kAround;
+      submesh.positions.emplace_back(
+          (middle(t) + 0.03 * (std::cos(angle) * side + std::sin(angle) * up)).cast<float>());
+    }
+  }
+  const auto vertex = [](int i, int k) { return static_cast<std::uint32_t>(i % kAlong * kAround + k % kAround); };
+  for (int i = 0; i < kAlong; ++i) {
+    for (int k = 0; k < kAround; ++k) {
+      submesh.triangles.push_back({vertex(i, k), vertex(i, k + 1), vertex(i + 1, k)});
+      submesh.triangles.push_back({vertex(i + 1, k), vertex(i, k + 1), vertex(i + 1, k + 1)});
+    }
+  }
+  return submesh;
+}
+
+TEST_F(SceneRendererTest, LeavingOutWhatFacesAwayChangesNoPixel) {
+  // With a tolerance that only the finest level keeps to, nothing differs from every triangle but what faces away.
+  const Tolerance finest{[](double) { return 1e-9; }};
+  Submesh inside_out = knot();
+  for (auto& triangle : inside_out.triangles) std::swap(triangle[0], triangle[1]);
+  for (auto& p : inside_out.positions) p.x() += 0.4F;
+  const auto model = model_of({knot(), inside_out});
+  context_->meshes().finish(model);
+  view_.camera.width = 320;
+  view_.camera.height = 240;
+  view_.camera.fx = view_.camera.fy = 300;
+  view_.camera.cx = 159.5;
+  view_.camera.cy = 119.5;
+  for (int i = 0; i < 24; ++i) {
+    const Eigen::AngleAxisd turn{0.7 * i, Eigen::Vector3d{std::sin(3.0 * i), std::cos(2.0 * i), 0.5}.normalized()};
+    // From 0.9 m away down to places amid the knot.
+    view_.T_camera_world = (turn * Eigen::Translation3d{0, 0, -0.9 + 0.035 * i}).inverse();
+    view_.tolerance = Tolerance{};
+    render(model);
+    const auto depth = renderer_->read_depth();
+    const auto nodes = renderer_->read_nodes();
+    view_.tolerance = finest;
+    render(model);
+    EXPECT_EQ(renderer_->read_depth(), depth) << i;
+    EXPECT_EQ(renderer_->read_nodes(), nodes) << i;
+  }
 }
 
 TEST(MeshCache, MakesLevelsOfDetailOnlyForWhoDrawsThem) {
