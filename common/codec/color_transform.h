@@ -1,7 +1,8 @@
 #pragma once
 // Colours are stored as (r - g, g, b - g) around the middle, modulo 256: reversible, and of less entropy than RGB,
-// since brightness changes more from vertex to vertex than hue. Where every colour of a submesh is a multiple of four,
-// the quarters are stored instead, which keeps the coder's tables short; Draco's data type of the attribute says so.
+// since brightness changes more from vertex to vertex than hue. Where every colour of a submesh is a multiple of
+// kCoarseColorStep, the quotients are stored instead, which keeps the coder's tables short; Draco's data type of the
+// attribute says so.
 #include <draco/core/draco_types.h>
 
 #include <array>

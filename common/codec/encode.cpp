@@ -35,7 +35,7 @@ Submesh with_distinct_corners(const Submesh& submesh) {
   return distinct;
 }
 
-/// Colours in steps of four, as a snapshot's are, are written as such.
+/// Colours in coarse steps, as a snapshot's are, are written as such.
 draco::DataType color_type(const std::vector<Rgb8>& colors) {
   const auto in_steps = [](const Rgb8& color) { return (color.r | color.g | color.b) % kCoarseColorStep == 0; };
   return std::all_of(colors.begin(), colors.end(), in_steps) ? draco::DT_INT8 : draco::DT_UINT8;
@@ -108,11 +108,16 @@ draco::Options exact_quantisation(const Quantisation& quantisation) {
   return options;
 }
 
+/// What Draco chooses at a speed is the shorter one in large submeshes; small ones are written both ways.
+enum class Traversal { by_speed, standard };
+constexpr std::size_t kSmall = 1000;
+
 Result<std::vector<std::byte>> encode_with(const DracoMesh& source, const Quantisation& quantisation, int speed,
-                                           bool always_standard) {
+                                           Traversal traversal) {
   auto options = draco::EncoderOptions::CreateDefaultOptions();
   options.SetAttributeOptions(source.position_id, exact_quantisation(quantisation));
-  if (always_standard) options.SetGlobalInt("edgebreaker_method", draco::MESH_EDGEBREAKER_STANDARD_ENCODING);
+  if (traversal == Traversal::standard)
+    options.SetGlobalInt("edgebreaker_method", draco::MESH_EDGEBREAKER_STANDARD_ENCODING);
   draco::ExpertEncoder encoder{source.mesh};
   encoder.Reset(options);
   encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
@@ -132,11 +137,13 @@ Result<std::vector<std::byte>> encode_valid(const Submesh& submesh, int speed) {
   if (!quantisation) return fail(quantisation.error());
   DracoMesh source;
   fill(source, with_distinct_corners(submesh));
-  auto bytes = encode_with(source, *quantisation, speed, false);
-  if (bytes && submesh.triangles.size() > kMaxTrianglesPerByte * bytes->size()) {
-    return encode_with(source, *quantisation, speed, true);
-  }
-  return bytes;
+  auto bytes = encode_with(source, *quantisation, speed, Traversal::by_speed);
+  if (!bytes) return bytes;
+  const std::size_t triangles = submesh.triangles.size();
+  const bool is_refused = triangles > kMaxTrianglesPerByte * bytes->size();
+  if (triangles > kSmall && !is_refused) return bytes;
+  auto standard = encode_with(source, *quantisation, speed, Traversal::standard);
+  return is_refused || (standard && standard->size() < bytes->size()) ? standard : bytes;
 }
 
 }  // namespace

@@ -13,8 +13,8 @@ inline constexpr float kLatticeSpacing_m = 1.0f / 4096;
 /// the finest one has can lie on a coarser one, and is then sent with fewer bits.
 inline constexpr int kMaxCoarsening = 8;
 
-/// Colours that hold a camera's noise are sent in steps too; 255 is none, and a white pixel becomes 252.
-inline constexpr int kCoarseColorStep = 4;
+/// Colours that hold a camera's noise are sent in steps too; 255 is none, and a white pixel becomes 248.
+inline constexpr int kCoarseColorStep = 8;
 
 /// To the bit: -0 is not on the lattice.
 [[nodiscard]] bool is_on_lattice(const Submesh& submesh);

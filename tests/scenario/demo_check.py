@@ -24,8 +24,8 @@ def check_loop(out, report):
     programs.check(publish["bytes"] <= publish["raw_bytes"] / 10,
                    f"{publish['bytes']} bytes sent for {publish['raw_bytes']}: at most a tenth")
     for r in report["adjust"]["revisions"]:
-        # The coder's tables alone take some 200 bytes a node, which shows in a patch of a few hundred triangles.
-        allowed = r["raw_bytes"] / 10 + (0 if r["raw_bytes"] > 10_000 else 300)
+        # The coder's tables alone take some 200 bytes a node, which shows in a patch of less than 200 triangles.
+        allowed = r["raw_bytes"] / 10 + (0 if r["raw_bytes"] > 4_500 else 300)
         programs.check(r["bytes"] <= allowed,
                        f"revision {r['revision']}: {r['bytes']} bytes sent for {r['raw_bytes']}: at most {allowed:.0f}")
     delays = publish["accept_to_drawn_ms_by_revision"]

@@ -34,7 +34,8 @@ TEST(CodecFigures, DISABLED_DepthGrids) {
   print_row("640x480, no colours", plain, 2);
   auto snapshot = snap_to_lattice(grid, 4);
   for (auto& color : snapshot.colors) {
-    for (auto* channel : {&color.r, &color.g, &color.b}) *channel = static_cast<std::uint8_t>(*channel & ~3u);
+    for (auto* channel : {&color.r, &color.g, &color.b})
+      *channel = static_cast<std::uint8_t>(*channel / kCoarseColorStep * kCoarseColorStep);
   }
   print_row("640x480, as a snapshot", snapshot, 2);
   print_row("120x90, 2 mm noise", test::depth_grid(120, 90), 2);

@@ -203,7 +203,7 @@ TEST(Insertion, KeepsToTheStepsOfColorsOnWhite) {
   ASSERT_FALSE(patch.colors.empty());
   for (const auto& color : patch.colors) {
     EXPECT_EQ((color.r | color.g | color.b) % kCoarseColorStep, 0);
-    EXPECT_EQ(color.r, 252);
+    EXPECT_EQ(color.r, 248);
   }
 }
 
