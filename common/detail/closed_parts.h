@@ -11,15 +11,17 @@
 namespace meshloop {
 
 struct ClosedParts {
-  /// By vertex the part it belongs to, or kNone.
+  /// By vertex the part of all its triangles; kNone for vertices of open parts, and where two parts touch.
   std::vector<std::int32_t> of_vertex;
   std::vector<Eigen::AlignedBox3f> bounds;
 
   static constexpr std::int32_t kNone = -1;
 };
 
-/// A part is what hangs together at vertices. It is closed when every edge is run through as often in one direction as
-/// in the other, and faces outwards when its signed volume is positive. Vertices at one place must be one vertex.
+/// A part is what hangs together at edges. It is closed when each of its edges is run through as often in one direction
+/// as in the other. It faces outwards when it does at its outermost vertices, in 32 directions: the sign of the
+/// angle-weighted normal there tells inside from outside (Baerentzen and Aanaes 2005). Vertices at one place must be
+/// one vertex.
 [[nodiscard]] ClosedParts closed_parts_of(const std::vector<Eigen::Vector3f>& positions,
                                           std::span<const Triangle> triangles);
 

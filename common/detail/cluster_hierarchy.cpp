@@ -131,12 +131,13 @@ class Builder {
     return static_cast<std::uint32_t>(result_.clusters.size() - 1);
   }
 
-  /// None unless all triangles are of the same part.
+  /// None unless all vertices are of the same part.
   std::int32_t closed_part_of(const std::vector<Triangle>& triangles) const {
-    const auto part_of = [&](const Triangle& triangle) { return part_of_[place_of_[triangle.front()]]; };
-    const std::int32_t part = part_of(triangles.front());
-    const bool is_one = std::all_of(triangles.begin(), triangles.end(),
-                                    [&](const Triangle& triangle) { return part_of(triangle) == part; });
+    const std::int32_t part = part_of_[place_of_[triangles.front().front()]];
+    const bool is_one = std::all_of(triangles.begin(), triangles.end(), [&](const Triangle& triangle) {
+      return std::all_of(triangle.begin(), triangle.end(),
+                         [&](std::uint32_t vertex) { return part_of_[place_of_[vertex]] == part; });
+    });
     return is_one ? part : Cluster::kNone;
   }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <numbers>
 #include <random>
 #include <utility>
 
@@ -253,6 +254,49 @@ TEST(ClusterCut, AClosedPartIsShownWholeFromInsideAndThroughTheNearPlane) {
     }
     EXPECT_GT(in_view, ball.triangles.size() / 20);
   }
+}
+
+TEST(ClusterCut, APartThatTouchesAnotherAtACornerFacesItsOwnWay) {
+  // Two balls with one vertex in common, the second inside out: not one triangle of that one may be missing.
+  const auto ball = test::ball(40);
+  auto touching = test::inside_out(ball);
+  for (auto& p : touching.positions) p.z() += 2;
+  auto both = test::beside(ball, touching, 0);
+  const auto top = static_cast<std::uint32_t>(ball.positions.size() + touching.positions.size() - 1);
+  ASSERT_EQ(both.positions[top], both.positions[0]);
+  const Eigen::Matrix4f clip = seen_from(-5);
+  CutView view;
+  view.clip_from_mesh = clip;
+  view.tolerance = &kFinest;
+  const auto shown = sorted(chosen(build_hierarchy(both), view));
+  EXPECT_LT(shown.size(), both.triangles.size() * 5 / 6);
+  const std::vector<Triangle> second(both.triangles.begin() + static_cast<std::ptrdiff_t>(ball.triangles.size()),
+                                     both.triangles.end());
+  EXPECT_TRUE(std::ranges::includes(shown, sorted(second)));
+}
+
+TEST(ClusterCut, APartThatIsTurnedOverInPlacesIsShownWhole) {
+  // A ring whose section is an eight: it passes through itself, and one lobe is inside out.
+  constexpr std::uint32_t kAlong = 200;
+  constexpr std::uint32_t kAround = 60;
+  Submesh ring;
+  for (std::uint32_t i = 0; i < kAlong; ++i) {
+    const float along = 2 * std::numbers::pi_v<float> * static_cast<float>(i) / kAlong;
+    for (std::uint32_t k = 0; k < kAround; ++k) {
+      const float around = 2 * std::numbers::pi_v<float> * static_cast<float>(k) / kAround;
+      const float r = 0.8f + 0.2f * std::sin(2 * around);
+      ring.positions.emplace_back(r * std::cos(along), r * std::sin(along), 0.3f * std::sin(around) + 0.1f);
+    }
+  }
+  const auto at = [](std::uint32_t i, std::uint32_t k) { return i % kAlong * kAround + k % kAround; };
+  for (std::uint32_t i = 0; i < kAlong; ++i) {
+    for (std::uint32_t k = 0; k < kAround; ++k) {
+      ring.triangles.push_back({at(i, k), at(i + 1, k), at(i, k + 1)});
+      ring.triangles.push_back({at(i, k + 1), at(i + 1, k), at(i + 1, k + 1)});
+    }
+  }
+  EXPECT_EQ(left_out(ring, seen_from(-4), kFinest, -4).all, 0U);
+  EXPECT_EQ(left_out(test::inside_out(ring), seen_from(-4), kFinest, -4).all, 0U);
 }
 
 TEST(ClusterCut, EachPartIsClosedForItself) {
