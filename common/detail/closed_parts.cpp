@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
-#include <numbers>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "common/detail/working_cluster.h"
@@ -92,55 +91,101 @@ Parts without_border(std::span<const Triangle> triangles) {
   return parts;
 }
 
-constexpr std::size_t kDirections = 32;
+/// Where a line parallel to an axis goes through a triangle.
+struct Crossing {
+  int line = 0;
+  double along = 0;
+  /// 1 into the part, -1 out of it.
+  int step = 0;
+};
 
-/// Evenly over the sphere: along a spiral of golden angles.
-std::array<Eigen::Vector3f, kDirections> all_around() {
-  const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
-  std::array<Eigen::Vector3f, kDirections> directions;
-  for (std::size_t i = 0; i < kDirections; ++i) {
-    const double z = 1 - (2 * static_cast<double>(i) + 1) / static_cast<double>(kDirections);
-    const double r = std::sqrt(1 - z * z);
-    const double angle = golden * static_cast<double>(i);
-    directions[i] = Eigen::Vector3d{r * std::cos(angle), r * std::sin(angle), z}.cast<float>();
+/// Lines parallel to one axis, in rows over the box of a part; a little off the middle of their cells, since vertices
+/// like to lie there.
+class Lines {
+ public:
+  static constexpr int kAcross = 48;
+
+  Lines(const Eigen::AlignedBox3f& box, int axis) : along_{axis}, u_{(axis + 1) % 3}, v_{(axis + 2) % 3} {
+    const Eigen::Vector3d cell = box.sizes().cast<double>() / kAcross;
+    first_ = {static_cast<double>(box.min()[u_]) + kOff * cell[u_],
+              static_cast<double>(box.min()[v_]) + kOff * cell[v_]};
+    cell_ = {cell[u_], cell[v_]};
   }
-  return directions;
-}
 
-/// The normal of a triangle's corner, as long as its angle.
-Eigen::Vector3d weighted_normal(const std::vector<Eigen::Vector3f>& positions, const Triangle& triangle,
-                                std::size_t corner) {
-  const Eigen::Vector3d p = positions[triangle[corner]].cast<double>();
-  const Eigen::Vector3d to_next = positions[triangle[(corner + 1) % 3]].cast<double>() - p;
-  const Eigen::Vector3d to_last = positions[triangle[(corner + 2) % 3]].cast<double>() - p;
-  const Eigen::Vector3d normal = to_next.cross(to_last);
-  const double length = normal.norm();
-  if (!(length > 0)) return Eigen::Vector3d::Zero();
-  return normal * (std::atan2(length, to_next.dot(to_last)) / length);
-}
-
-bool faces_outwards(const std::vector<Eigen::Vector3f>& positions, const std::vector<Triangle>& part) {
-  static const auto kAllAround = all_around();
-  std::array<std::uint32_t, kDirections> outermost;
-  outermost.fill(part.front().front());
-  for (const auto& triangle : part) {
-    for (const auto vertex : triangle) {
-      for (std::size_t i = 0; i < kDirections; ++i) {
-        const Eigen::Vector3f beyond = positions[vertex] - positions[outermost[i]];
-        if (beyond.dot(kAllAround[i]) > 0) outermost[i] = vertex;
+  void cross(const std::array<Eigen::Vector3d, 3>& corners, std::vector<Crossing>& crossings) const {
+    const auto flat = [&](const Eigen::Vector3d& p) { return Eigen::Vector2d{p[u_], p[v_]}; };
+    const Eigen::Vector2d a = flat(corners[0]);
+    const Eigen::Vector2d b = flat(corners[1]);
+    const Eigen::Vector2d c = flat(corners[2]);
+    const double area = turn(a, b, c);
+    if (area == 0) return;
+    const auto [u_from, u_to] = range(0, std::minmax({a.x(), b.x(), c.x()}));
+    const auto [v_from, v_to] = range(1, std::minmax({a.y(), b.y(), c.y()}));
+    for (int v = v_from; v < v_to; ++v) {
+      for (int u = u_from; u < u_to; ++u) {
+        const Eigen::Vector2d p = first_ + Eigen::Vector2d{u, v}.cwiseProduct(cell_);
+        const Eigen::Vector3d shares = Eigen::Vector3d{turn(b, c, p), turn(c, a, p), turn(a, b, p)} / area;
+        if (!(shares.minCoeff() > 0)) continue;
+        const double along = shares.dot(Eigen::Vector3d{corners[0][along_], corners[1][along_], corners[2][along_]});
+        crossings.push_back({v * kAcross + u, along, area < 0 ? 1 : -1});
       }
     }
   }
-  std::map<std::uint32_t, Eigen::Vector3d> normals;
-  for (const auto vertex : outermost) normals.emplace(vertex, Eigen::Vector3d::Zero());
-  for (const auto& triangle : part) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto normal = normals.find(triangle[k]);
-      if (normal != normals.end()) normal->second += weighted_normal(positions, triangle, k);
-    }
+
+ private:
+  static constexpr double kOff = 0.4382;
+
+  static double turn(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
+    return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
   }
-  for (std::size_t i = 0; i < kDirections; ++i) {
-    if (!(normals.at(outermost[i]).dot(kAllAround[i].cast<double>()) > 0)) return false;
+  /// The lines between two places; the last one is not among them.
+  [[nodiscard]] std::pair<int, int> range(int side, const std::pair<double, double>& places) const {
+    const auto line_at = [&](double place) {
+      return std::clamp(static_cast<int>(std::ceil((place - first_[side]) / cell_[side])), 0, kAcross);
+    };
+    if (!(cell_[side] > 0)) return {0, 0};
+    return {line_at(places.first), line_at(places.second)};
+  }
+
+  int along_;
+  int u_;
+  int v_;
+  Eigen::Vector2d first_;
+  Eigen::Vector2d cell_;
+};
+
+/// Some line goes through, and none goes out more often than it went in. One that ends inside touched an edge and tells
+/// nothing.
+bool go_in_before_out(std::vector<Crossing>& crossings) {
+  std::sort(crossings.begin(), crossings.end(), [](const Crossing& a, const Crossing& b) {
+    return std::tuple{a.line, a.along, -a.step} < std::tuple{b.line, b.along, -b.step};
+  });
+  bool goes_through = false;
+  for (std::size_t first = 0; first < crossings.size();) {
+    int inside = 0;
+    int least = 0;
+    std::size_t last = first;
+    for (; last < crossings.size() && crossings[last].line == crossings[first].line; ++last) {
+      inside += crossings[last].step;
+      least = std::min(least, inside);
+    }
+    if (inside == 0 && least < 0) return false;
+    goes_through = goes_through || inside == 0;
+    first = last;
+  }
+  return goes_through;
+}
+
+bool faces_outwards(const std::vector<Eigen::Vector3f>& positions, const std::vector<Triangle>& part,
+                    const Eigen::AlignedBox3f& box) {
+  std::vector<Crossing> crossings;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Lines lines{box, axis};
+    crossings.clear();
+    for (const auto& [a, b, c] : part) {
+      lines.cross({positions[a].cast<double>(), positions[b].cast<double>(), positions[c].cast<double>()}, crossings);
+    }
+    if (!go_in_before_out(crossings)) return false;
   }
   return true;
 }
@@ -158,9 +203,10 @@ ClosedParts closed_parts_of(const std::vector<Eigen::Vector3f>& positions, std::
   ClosedParts result;
   std::vector<std::int32_t> number(closed.size(), ClosedParts::kNone);
   for (std::size_t i = 0; i < closed.size(); ++i) {
-    if (!faces_outwards(positions, closed[i])) continue;
+    const Eigen::AlignedBox3f box = bounds_of(positions, closed[i]);
+    if (!faces_outwards(positions, closed[i], box)) continue;
     number[i] = static_cast<std::int32_t>(result.bounds.size());
-    result.bounds.push_back(bounds_of(positions, closed[i]));
+    result.bounds.push_back(box);
   }
   constexpr std::int32_t kUnknown = -2;
   result.of_vertex.assign(positions.size(), kUnknown);

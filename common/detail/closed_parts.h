@@ -19,9 +19,8 @@ struct ClosedParts {
 };
 
 /// A part is what hangs together at edges. It is closed when each of its edges is run through as often in one direction
-/// as in the other. It faces outwards when it does at its outermost vertices, in 32 directions: the sign of the
-/// angle-weighted normal there tells inside from outside (Baerentzen and Aanaes 2005). Vertices at one place must be
-/// one vertex.
+/// as in the other. It faces outwards when lines through it, 48 x 48 along each axis, go in before they go out.
+/// Vertices at one place must be one vertex.
 [[nodiscard]] ClosedParts closed_parts_of(const std::vector<Eigen::Vector3f>& positions,
                                           std::span<const Triangle> triangles);
 

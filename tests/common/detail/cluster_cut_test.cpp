@@ -276,27 +276,31 @@ TEST(ClusterCut, APartThatTouchesAnotherAtACornerFacesItsOwnWay) {
 }
 
 TEST(ClusterCut, APartThatIsTurnedOverInPlacesIsShownWhole) {
-  // A ring whose section is an eight: it passes through itself, and one lobe is inside out.
+  // Rings whose section is an eight, upright or lying: they pass through themselves, and one lobe is inside out.
   constexpr std::uint32_t kAlong = 200;
   constexpr std::uint32_t kAround = 60;
-  Submesh ring;
-  for (std::uint32_t i = 0; i < kAlong; ++i) {
-    const float along = 2 * std::numbers::pi_v<float> * static_cast<float>(i) / kAlong;
-    for (std::uint32_t k = 0; k < kAround; ++k) {
-      const float around = 2 * std::numbers::pi_v<float> * static_cast<float>(k) / kAround;
-      const float r = 0.8f + 0.2f * std::sin(2 * around);
-      ring.positions.emplace_back(r * std::cos(along), r * std::sin(along), 0.3f * std::sin(around) + 0.1f);
-    }
-  }
   const auto at = [](std::uint32_t i, std::uint32_t k) { return i % kAlong * kAround + k % kAround; };
-  for (std::uint32_t i = 0; i < kAlong; ++i) {
-    for (std::uint32_t k = 0; k < kAround; ++k) {
-      ring.triangles.push_back({at(i, k), at(i + 1, k), at(i, k + 1)});
-      ring.triangles.push_back({at(i, k + 1), at(i + 1, k), at(i + 1, k + 1)});
+  for (const bool is_upright : {true, false}) {
+    Submesh ring;
+    for (std::uint32_t i = 0; i < kAlong; ++i) {
+      const float along = 2 * std::numbers::pi_v<float> * static_cast<float>(i) / kAlong;
+      for (std::uint32_t k = 0; k < kAround; ++k) {
+        const float around = 2 * std::numbers::pi_v<float> * static_cast<float>(k) / kAround;
+        const float lobes = 0.3f * std::sin(around);
+        const float waist = 0.2f * std::sin(2 * around);
+        const float r = 0.8f + (is_upright ? waist : lobes);
+        ring.positions.emplace_back(r * std::cos(along), r * std::sin(along), is_upright ? lobes : waist);
+      }
     }
+    for (std::uint32_t i = 0; i < kAlong; ++i) {
+      for (std::uint32_t k = 0; k < kAround; ++k) {
+        ring.triangles.push_back({at(i, k), at(i + 1, k), at(i, k + 1)});
+        ring.triangles.push_back({at(i, k + 1), at(i + 1, k), at(i + 1, k + 1)});
+      }
+    }
+    EXPECT_EQ(left_out(ring, seen_from(-4), kFinest, -4).all, 0U);
+    EXPECT_EQ(left_out(test::inside_out(ring), seen_from(-4), kFinest, -4).all, 0U);
   }
-  EXPECT_EQ(left_out(ring, seen_from(-4), kFinest, -4).all, 0U);
-  EXPECT_EQ(left_out(test::inside_out(ring), seen_from(-4), kFinest, -4).all, 0U);
 }
 
 TEST(ClusterCut, EachPartIsClosedForItself) {
