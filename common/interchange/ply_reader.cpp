@@ -12,7 +12,7 @@
 #include "common/interchange/mapped_file.h"
 #include "common/interchange/ply_header.h"
 #include "common/interchange/ply_values.h"
-#include "common/interchange/triangulate.h"
+#include "common/mesh/triangulate.h"
 
 namespace meshloop {
 namespace {

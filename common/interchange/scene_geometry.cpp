@@ -11,7 +11,7 @@
 
 #include "common/interchange/color_space.h"
 #include "common/interchange/solids.h"
-#include "common/interchange/triangulate.h"
+#include "common/mesh/triangulate.h"
 
 namespace meshloop {
 namespace {

@@ -32,6 +32,10 @@ bool is_on_lattice_of(const Submesh& submesh, int coarsening) {
 
 }  // namespace
 
+Eigen::Vector3f on_lattice(const Eigen::Vector3f& p) {
+  return snapped(p, kLatticeSpacing_m);
+}
+
 bool is_on_lattice(const Submesh& submesh) {
   return is_on_lattice_of(submesh, 1);
 }

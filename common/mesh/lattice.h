@@ -16,6 +16,9 @@ inline constexpr int kMaxCoarsening = 8;
 /// Colours that hold a camera's noise are sent in steps too; 255 is none, and a white pixel becomes 248.
 inline constexpr int kCoarseColorStep = 8;
 
+/// The nearest point of the lattice.
+[[nodiscard]] Eigen::Vector3f on_lattice(const Eigen::Vector3f& p);
+
 /// To the bit: -0 is not on the lattice.
 [[nodiscard]] bool is_on_lattice(const Submesh& submesh);
 

@@ -8,6 +8,7 @@ set(MESHLOOP_VENDOR_ROOMS
   "^(EGL|GLES[23]*|KHR)/|^(common/gpu|device/draw)/"
   "^(spng|turbojpeg|tiffio)|^common/image/"
   "^meshoptimizer|^common/detail/"
+  "^(polyclipping/|clipper[.]hpp)|^server/adjust/"
   "^assimp/|^common/interchange/"
   "^expat|^common/interchange/"
   "[.]hxx$|^common/interchange/step_reader[.]cpp$"

@@ -1,28 +1,12 @@
 #include "server/adjust/loose_pieces.h"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
+
+#include "server/adjust/places.h"
 
 namespace meshloop::adjust {
 namespace {
-
-// Vertices at the same place get the same number: meshes with sharp edges repeat their positions.
-std::vector<std::uint32_t> weld(const std::vector<Eigen::Vector3f>& positions) {
-  std::vector<std::uint32_t> order(positions.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto key = [&](std::uint32_t i) {
-    return std::array<float, 3>{positions[i].x(), positions[i].y(), positions[i].z()};
-  };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
-  std::vector<std::uint32_t> welded(positions.size());
-  std::uint32_t first = 0;
-  for (const auto i : order) {
-    if (key(first) != key(i) || i == order.front()) first = i;
-    welded[i] = first;
-  }
-  return welded;
-}
 
 std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
   while (parent[i] != i) i = parent[i] = parent[parent[i]];
@@ -31,7 +15,7 @@ std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
 
 // Triangles that stay and are connected have the same root among the welded vertices.
 std::vector<std::uint32_t> roots_of_what_stays(const Submesh& submesh, const std::vector<RegionId>& marks) {
-  const auto welded = weld(submesh.positions);
+  const auto welded = places_of(submesh.positions);
   std::vector<std::uint32_t> parent(welded.size());
   std::iota(parent.begin(), parent.end(), 0u);
   for (std::size_t t = 0; t < marks.size(); ++t) {

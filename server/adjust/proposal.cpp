@@ -15,11 +15,11 @@ namespace meshloop {
 namespace {
 
 std::string effect_of(const Proposal& proposal) {
-  const bool adds = proposal.kind == ChangeKind::insertion;
-  const auto triangles =
-      adds ? fmt::format("+{}", proposal.triangles_added) : fmt::format("-{}", proposal.triangles_removed);
-  if (proposal.largest_change_m == 0) return triangles + " triangles, where the model had none";
-  return fmt::format("{} triangles; largest change {:.0f} mm", triangles, proposal.largest_change_m * 1000);
+  std::string triangles;
+  if (proposal.triangles_removed > 0) triangles += fmt::format("-{} ", proposal.triangles_removed);
+  if (proposal.triangles_added > 0) triangles += fmt::format("+{} ", proposal.triangles_added);
+  if (proposal.largest_change_m == 0) return triangles + "triangles, where the model had none";
+  return fmt::format("{}triangles; largest change {:.0f} mm", triangles, proposal.largest_change_m * 1000);
 }
 
 Proposal start_proposal(const Region& region) {
@@ -44,31 +44,37 @@ Proposal propose_insertion(const Region& region, Submesh patch, NodeId& next_nod
   return proposal;
 }
 
-Proposal propose_removal(const Region& region, const Model& model, adjust::RemovedTriangles removed) {
+Proposal propose_removal(const Region& region, const Model& model, std::vector<Removal> removals) {
   Proposal proposal = start_proposal(region);
-  for (const auto& [id, mask] : removed) {
-    const Node* node = model.find(id);
-    if (node == nullptr) continue;
-    proposal.edits.push_back(adjust::removal_edit(*node, mask));
-    proposal.triangles_removed += static_cast<std::size_t>(std::count(mask.begin(), mask.end(), true));
+  for (auto& removal : removals) {
+    adjust::Removed removed = adjust::remove_from(*model.find(removal.node), removal);
+    if (!removed.edit) continue;
+    proposal.edits.push_back(std::move(*removed.edit));
+    proposal.triangles_removed += removed.taken;
+    proposal.triangles_added += removed.added;
+    proposal.removed.push_back(std::move(removal));
   }
-  proposal.removed = std::move(removed);
   proposal.effect = effect_of(proposal);
   return proposal;
 }
 
-using Masks = std::map<NodeId, std::vector<bool>>;
+using Removals = std::map<NodeId, Removal>;
 
-Status add_masks(const Model& model, const Proposal& proposal, Masks& masks) {
-  for (const auto& [id, mask] : proposal.removed) {
-    const Node* node = model.find(id);
-    if (node == nullptr || node->submesh->triangles.size() != mask.size()) {
-      return fail(
-          fmt::format("proposal {} was made for another revision of node {}; take a new snapshot", proposal.id, id));
+Status add_removals(const Model& model, const Proposal& proposal, Removals& removals) {
+  for (const auto& removal : proposal.removed) {
+    const Node* node = model.find(removal.node);
+    if (node == nullptr || node->submesh->triangles.size() != removal.triangles.size()) {
+      return fail(fmt::format("proposal {} was made for another revision of node {}; take a new snapshot", proposal.id,
+                              removal.node));
     }
-    auto& all = masks[id];
-    if (all.empty()) all.assign(mask.size(), false);
-    for (std::size_t t = 0; t < mask.size(); ++t) all[t] = all[t] || mask[t];
+    const auto [entry, is_first] = removals.try_emplace(removal.node, removal);
+    if (is_first) continue;
+    Removal& all = entry->second;
+    for (std::size_t t = 0; t < all.triangles.size(); ++t) all.triangles[t] = all.triangles[t] || removal.triangles[t];
+    for (const auto& [t, lines] : removal.cuts) {
+      auto& lines_of_triangle = all.cuts[t];
+      lines_of_triangle.insert(lines_of_triangle.end(), lines.begin(), lines.end());
+    }
   }
   return {};
 }
@@ -92,11 +98,11 @@ std::vector<Proposal> propose(const Snapshot& snapshot, NodeId next_node_id, con
 }
 
 Result<std::vector<Edit>> merge_edits(const Model& model, const std::vector<Proposal>& accepted) {
-  Masks masks;
+  Removals removals;
   std::vector<Edit> edits;
   std::set<NodeId> added;
   for (const auto& proposal : accepted) {
-    if (auto ok = add_masks(model, proposal, masks); !ok) return fail(ok.error());
+    if (auto ok = add_removals(model, proposal, removals); !ok) return fail(ok.error());
     for (const auto& edit : proposal.edits) {
       const auto* addition = std::get_if<AddNode>(&edit);
       if (addition == nullptr) continue;
@@ -107,7 +113,11 @@ Result<std::vector<Edit>> merge_edits(const Model& model, const std::vector<Prop
       edits.push_back(edit);
     }
   }
-  for (const auto& [id, mask] : masks) edits.push_back(adjust::removal_edit(*model.find(id), mask));
+  for (const auto& [id, removal] : removals) {
+    if (auto removed = adjust::remove_from(*model.find(id), removal); removed.edit) {
+      edits.push_back(std::move(*removed.edit));
+    }
+  }
   return edits;
 }
 

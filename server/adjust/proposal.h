@@ -1,5 +1,6 @@
 #pragma once
 // From a snapshot (frame, pose, comparison, regions) to proposed edits of the model.
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -26,6 +27,21 @@ struct Snapshot {
   const RegionMap* regions = nullptr;
 };
 
+/// A closed line on the plane of a triangle, in its node's frame.
+using PlaneLine = std::vector<Eigen::Vector3d>;
+/// By position in a submesh's triangles: the lines around what goes of it. Lines within one another are holes, and run
+/// the other way round.
+using CutOutlines = std::map<std::uint32_t, std::vector<PlaneLine>>;
+
+/// What goes of a node, by the triangles of its submesh in the snapshot's model.
+struct Removal {
+  NodeId node = 0;
+  /// Those that go whole.
+  std::vector<bool> triangles;
+  /// Those of which a part goes.
+  CutOutlines cuts;
+};
+
 /// One region's change. Ids are the regions' ids.
 struct Proposal {
   RegionId id = 0;
@@ -34,10 +50,10 @@ struct Proposal {
   std::size_t triangles_added = 0;
   std::size_t triangles_removed = 0;
   double largest_change_m = 0;
-  /// "+96 triangles; largest change 21 mm"
+  /// "+96 triangles; largest change 21 mm"; "-2 +14 triangles; ..." where large ones were cut
   std::string effect;
-  /// For `merge_edits`: the triangles that go, by node, in the order of the node's submesh in the snapshot's model.
-  std::vector<std::pair<NodeId, std::vector<bool>>> removed;
+  /// For `merge_edits`.
+  std::vector<Removal> removed;
 };
 
 struct AdjustOptions {

@@ -1,7 +1,10 @@
 #include "server/adjust/removal.h"
 
-#include <algorithm>
+#include <memory>
+#include <utility>
 
+#include "server/adjust/cut.h"
+#include "server/adjust/cut_outlines.h"
 #include "server/adjust/loose_pieces.h"
 #include "server/adjust/visible_surface.h"
 
@@ -36,46 +39,67 @@ std::vector<RegionId> mark_triangles(const VisibleSurface& surface, const Node& 
   return marks;
 }
 
-void collect(const Node& node, const std::vector<RegionId>& marks, std::map<RegionId, RemovedTriangles>& removed) {
-  std::map<RegionId, std::vector<bool>> masks;
+/// Of one node, by region.
+std::map<RegionId, Removal> by_region(const Node& node, const std::vector<RegionId>& marks,
+                                      std::map<RegionId, CutOutlines> cuts) {
+  std::map<RegionId, Removal> removals;
+  const auto removal_of = [&](RegionId region) -> Removal& {
+    const auto [entry, is_new] = removals.try_emplace(region);
+    if (is_new) entry->second = {node.id, std::vector<bool>(marks.size(), false), {}};
+    return entry->second;
+  };
   for (std::size_t t = 0; t < marks.size(); ++t) {
-    if (marks[t] == 0) continue;
-    auto& mask = masks[marks[t]];
-    if (mask.empty()) mask.assign(marks.size(), false);
-    mask[t] = true;
+    if (marks[t] != 0) removal_of(marks[t]).triangles[t] = true;
   }
-  for (auto& [region, mask] : masks) removed[region].emplace_back(node.id, std::move(mask));
+  for (auto& [region, outlines] : cuts) removal_of(region).cuts = std::move(outlines);
+  return removals;
+}
+
+std::map<RegionId, Removal> removals_of(const Snapshot& snapshot, const VisibleSurface& surface, std::size_t position,
+                                        const AdjustOptions& options) {
+  const Node& node = snapshot.model->nodes[position];
+  std::vector<Sighting> vertices;
+  vertices.reserve(node.submesh->positions.size());
+  for (const auto& p : node.submesh->positions) {
+    vertices.push_back(surface.look_at(node.T_world_node * p.cast<double>(), position));
+  }
+  LargeTriangles large = find_cut_outlines(snapshot, surface, position);
+  auto marks = mark_triangles(surface, node, position, vertices);
+  for (std::size_t t = 0; t < marks.size(); ++t) {
+    if (large.is_large[t]) marks[t] = 0;
+  }
+  const auto in_sight = [&](std::size_t t) {
+    const auto& [a, b, c] = node.submesh->triangles[t];
+    return vertices[a].sight == Sight::clear && vertices[b].sight == Sight::clear &&
+           vertices[c].sight == Sight::clear && look_at_center(surface, node, position, t).sight == Sight::clear;
+  };
+  take_loose_pieces(*node.submesh, in_sight, options.min_patch_triangles, marks);
+  return by_region(node, marks, std::move(large.by_region));
 }
 
 }  // namespace
 
-std::map<RegionId, RemovedTriangles> find_removed(const Snapshot& snapshot, const AdjustOptions& options) {
+std::map<RegionId, std::vector<Removal>> find_removed(const Snapshot& snapshot, const AdjustOptions& options) {
   const VisibleSurface surface{snapshot};
-  std::map<RegionId, RemovedTriangles> removed;
+  std::map<RegionId, std::vector<Removal>> removed;
   for (const auto position : surface.nodes_in_removal_regions()) {
-    const Node& node = snapshot.model->nodes[position];
-    std::vector<Sighting> vertices;
-    vertices.reserve(node.submesh->positions.size());
-    for (const auto& p : node.submesh->positions) {
-      vertices.push_back(surface.look_at(node.T_world_node * p.cast<double>(), position));
+    for (auto& [region, removal] : removals_of(snapshot, surface, position, options)) {
+      removed[region].push_back(std::move(removal));
     }
-    auto marks = mark_triangles(surface, node, position, vertices);
-    const auto in_sight = [&](std::size_t t) {
-      const auto& [a, b, c] = node.submesh->triangles[t];
-      return vertices[a].sight == Sight::clear && vertices[b].sight == Sight::clear &&
-             vertices[c].sight == Sight::clear && look_at_center(surface, node, position, t).sight == Sight::clear;
-    };
-    take_loose_pieces(*node.submesh, in_sight, options.min_patch_triangles, marks);
-    collect(node, marks, removed);
   }
   return removed;
 }
 
-Edit removal_edit(const Node& node, const std::vector<bool>& removed) {
-  std::vector<bool> keep = removed;
-  keep.flip();
-  if (std::none_of(keep.begin(), keep.end(), [](bool kept) { return kept; })) return RemoveNode{node.id};
-  return ReplaceSubmesh{node.id, std::make_shared<const Submesh>(keep_triangles(*node.submesh, keep))};
+Removed remove_from(const Node& node, const Removal& removal) {
+  CutSubmesh cut_submesh = cut(*node.submesh, removal);
+  Removed removed{std::nullopt, cut_submesh.taken, cut_submesh.added};
+  if (removed.taken == 0) return removed;
+  if (cut_submesh.submesh.triangles.empty()) {
+    removed.edit = RemoveNode{node.id};
+  } else {
+    removed.edit = ReplaceSubmesh{node.id, std::make_shared<const Submesh>(std::move(cut_submesh.submesh))};
+  }
+  return removed;
 }
 
 }  // namespace meshloop::adjust

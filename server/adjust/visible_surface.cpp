@@ -94,10 +94,9 @@ bool VisibleSurface::shows(int x, int y, std::uint32_t node_index, double z) con
 }
 
 // Unmeasured is never evidence.
-RegionId VisibleSurface::region_that_sees_through(int x, int y, double z) const {
+bool VisibleSurface::is_seen_through(int x, int y, double z) const {
   const double measured = snapshot_->frame->depth(x, y);
-  const bool through = measured > 0 && measured - z > threshold_m_(x, y);
-  return through ? evidence_(x, y) : 0;
+  return evidence_(x, y) != 0 && measured > 0 && measured - z > threshold_m_(x, y);
 }
 
 Sighting VisibleSurface::look_at(const Eigen::Vector3d& p_world, std::size_t node_position) const {
@@ -116,7 +115,7 @@ Sighting VisibleSurface::look_at(const Eigen::Vector3d& p_world, std::size_t nod
   bool hidden = true;
   for (const auto& [u, v] : around) {
     if (u < 0 || v < 0 || u >= camera.width || v >= camera.height) continue;
-    if (shows(u, v, node_index, p.z())) return {Sight::clear, region_that_sees_through(u, v, p.z())};
+    if (shows(u, v, node_index, p.z())) return {Sight::clear, is_seen_through(u, v, p.z()) ? evidence_(u, v) : 0};
     const double expected = snapshot_->comparison->expected(u, v);
     hidden = hidden && expected > 0 && p.z() > expected + tolerance(u, v);
   }

@@ -32,13 +32,17 @@ class VisibleSurface {
   /// A point in the world, on the node at `node_position` of Model::nodes.
   [[nodiscard]] Sighting look_at(const Eigen::Vector3d& p_world, std::size_t node_position) const;
 
+  /// The confirmed removal region that a pixel speaks for; 0 for none.
+  [[nodiscard]] RegionId evidence(int x, int y) const { return evidence_(x, y); }
+  /// A point at this depth is seen through at a pixel that speaks for a region.
+  [[nodiscard]] bool is_seen_through(int x, int y, double z) const;
+
   /// Positions in Model::nodes that a confirmed removal region shows.
   [[nodiscard]] std::vector<std::size_t> nodes_in_removal_regions() const;
 
  private:
   [[nodiscard]] bool shows(int x, int y, std::uint32_t node_index, double z) const;
   [[nodiscard]] double tolerance(int x, int y) const;
-  [[nodiscard]] RegionId region_that_sees_through(int x, int y, double z) const;
 
   void start_evidence();
   void grow_evidence();
