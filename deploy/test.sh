@@ -11,7 +11,7 @@ jobs=$(nproc)
 say "formatting"
 git ls-files -z '*.h' '*.cpp' | xargs -0 clang-format --dry-run -Werror
 
-say "release build, each header alone"
+say "release build, each public header alone"
 cmake --preset release >/dev/null
 cmake --build --preset release -j "$jobs" --target all headers_stand_alone
 
