@@ -21,7 +21,7 @@ cmake --build --preset asan -j "$jobs"
 # Leaks are looked for in our own code; what Mesa and DDS keep until the end of the process is left out.
 export LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0
 # What measures accuracy over many frames runs the same code as its neighbours, only longer.
-accuracy='SmallChange|NoDeviation|SimulatedNoise|NoiseThatSticks|IsNotPulledBy|IsPulledNoFarther|ThatHasNoColors|AnotherExposure'
+accuracy='SmallChange|NoDeviation|SimulatedNoise|NoiseThatSticks|IsNotPulledBy|IsPulledNoFarther|ThatHasNoColors|AnotherExposure|StaleModel|DemoData'
 ctest --preset asan -j "$jobs" -L 'unit|sanitize|fuzz' -E "$accuracy" --no-tests=error || {
   # The leak checker itself now and then dies of a thread that ends while it looks: those tests run once more.
   log=build/asan/Testing/Temporary/LastTest.log
