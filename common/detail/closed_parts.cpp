@@ -91,6 +91,9 @@ Parts without_border(std::span<const Triangle> triangles) {
   return parts;
 }
 
+/// Of fewer triangles hardly a cluster would ever be left out.
+constexpr std::size_t kWorthwhile = 64;
+
 /// Where a line parallel to an axis goes through a triangle.
 struct Crossing {
   int line = 0;
@@ -103,10 +106,9 @@ struct Crossing {
 /// like to lie there.
 class Lines {
  public:
-  static constexpr int kAcross = 48;
-
-  Lines(const Eigen::AlignedBox3f& box, int axis) : along_{axis}, u_{(axis + 1) % 3}, v_{(axis + 2) % 3} {
-    const Eigen::Vector3d cell = box.sizes().cast<double>() / kAcross;
+  Lines(const Eigen::AlignedBox3f& box, int axis, int across)
+      : across_{across}, along_{axis}, u_{(axis + 1) % 3}, v_{(axis + 2) % 3} {
+    const Eigen::Vector3d cell = box.sizes().cast<double>() / across;
     first_ = {static_cast<double>(box.min()[u_]) + kOff * cell[u_],
               static_cast<double>(box.min()[v_]) + kOff * cell[v_]};
     cell_ = {cell[u_], cell[v_]};
@@ -127,7 +129,7 @@ class Lines {
         const Eigen::Vector3d shares = Eigen::Vector3d{turn(b, c, p), turn(c, a, p), turn(a, b, p)} / area;
         if (!(shares.minCoeff() > 0)) continue;
         const double along = shares.dot(Eigen::Vector3d{corners[0][along_], corners[1][along_], corners[2][along_]});
-        crossings.push_back({v * kAcross + u, along, area < 0 ? 1 : -1});
+        crossings.push_back({v * across_ + u, along, area < 0 ? 1 : -1});
       }
     }
   }
@@ -141,12 +143,13 @@ class Lines {
   /// The lines between two places; the last one is not among them.
   [[nodiscard]] std::pair<int, int> range(int side, const std::pair<double, double>& places) const {
     const auto line_at = [&](double place) {
-      return std::clamp(static_cast<int>(std::ceil((place - first_[side]) / cell_[side])), 0, kAcross);
+      return std::clamp(static_cast<int>(std::ceil((place - first_[side]) / cell_[side])), 0, across_);
     };
     if (!(cell_[side] > 0)) return {0, 0};
     return {line_at(places.first), line_at(places.second)};
   }
 
+  int across_;
   int along_;
   int u_;
   int v_;
@@ -178,9 +181,12 @@ bool go_in_before_out(std::vector<Crossing>& crossings) {
 
 bool faces_outwards(const std::vector<Eigen::Vector3f>& positions, const std::vector<Triangle>& part,
                     const Eigen::AlignedBox3f& box) {
+  constexpr double kFewest = 8;
+  constexpr double kMost = 48;
+  const int across = static_cast<int>(std::clamp(std::sqrt(static_cast<double>(part.size())), kFewest, kMost));
   std::vector<Crossing> crossings;
   for (int axis = 0; axis < 3; ++axis) {
-    const Lines lines{box, axis};
+    const Lines lines{box, axis, across};
     crossings.clear();
     for (const auto& [a, b, c] : part) {
       lines.cross({positions[a].cast<double>(), positions[b].cast<double>(), positions[c].cast<double>()}, crossings);
@@ -203,6 +209,7 @@ ClosedParts closed_parts_of(const std::vector<Eigen::Vector3f>& positions, std::
   ClosedParts result;
   std::vector<std::int32_t> number(closed.size(), ClosedParts::kNone);
   for (std::size_t i = 0; i < closed.size(); ++i) {
+    if (closed[i].size() < kWorthwhile) continue;
     const Eigen::AlignedBox3f box = bounds_of(positions, closed[i]);
     if (!faces_outwards(positions, closed[i], box)) continue;
     number[i] = static_cast<std::int32_t>(result.bounds.size());

@@ -19,8 +19,9 @@ struct ClosedParts {
 };
 
 /// A part is what hangs together at edges. It is closed when each of its edges is run through as often in one direction
-/// as in the other. It faces outwards when lines through it, 48 x 48 along each axis, go in before they go out.
-/// Vertices at one place must be one vertex.
+/// as in the other. It faces outwards when lines through it, up to 48 x 48 along each axis, go in before they go out.
+/// Parts of less than 64 triangles are not looked for. Vertices at one place must be one vertex; a triangle that names
+/// one twice opens its part.
 [[nodiscard]] ClosedParts closed_parts_of(const std::vector<Eigen::Vector3f>& positions,
                                           std::span<const Triangle> triangles);
 

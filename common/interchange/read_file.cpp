@@ -62,6 +62,7 @@ std::string unit_hint(double side) {
 
 Status check_size(const std::vector<ImportedPart>& parts) {
   const double side = longest_side(parts);
+  if (side == 0) return fail("it has no extent: all its vertices lie at one place, or are no finite numbers");
   if (side >= kSmallestModel_m && side <= kLargestModel_m) return {};
   return fail(
       fmt::format("the model is {:.4g} metres long; say how long one of the file's units is (such as {}), also "

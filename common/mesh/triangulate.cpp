@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <utility>
 
 namespace meshloop {
@@ -47,6 +48,26 @@ bool blocks(const FlatRing& ring, const Point& a, const Point& b) {
   return false;
 }
 
+/// A way from a ring's corner towards `to` begins inside the ring. A corner may stand in the ring more than once, and
+/// this is true of one of them.
+bool begins_inside(const FlatRing& ring, std::size_t i, const Point& to) {
+  const std::size_t count = ring.points.size();
+  const Point& before = ring.points[(i + count - 1) % count];
+  const Point& here = ring.points[i];
+  const Point& after = ring.points[(i + 1) % count];
+  const bool left_of_last = cross(before, here, to) > 0;
+  const bool left_of_next = cross(here, after, to) > 0;
+  return cross(before, here, after) > 0 ? left_of_last && left_of_next : left_of_last || left_of_next;
+}
+
+/// At corners of the ring that lie at one end of a way, the way does not run through what the ring leaves out.
+bool lets_by(const FlatRing& ring, const Point& end, const Point& other_end) {
+  for (std::size_t i = 0; i < ring.points.size(); ++i) {
+    if (ring.points[i] == end && !begins_inside(ring, i, other_end)) return false;
+  }
+  return true;
+}
+
 /// The shortest bridge from a ring to a hole in it that crosses nothing; without one the shortest of all.
 std::pair<std::size_t, std::size_t> bridge(const FlatRing& ring, const FlatRing& hole,
                                            std::span<const FlatRing> others) {
@@ -60,8 +81,13 @@ std::pair<std::size_t, std::size_t> bridge(const FlatRing& ring, const FlatRing&
   for (const auto& [length, ends] : bridges) {
     const Point& from = ring.points[ends.first];
     const Point& to = hole.points[ends.second];
-    const auto is_in_the_way = [&](const FlatRing& other) { return blocks(other, from, to); };
-    if (!is_in_the_way(ring) && std::none_of(others.begin(), others.end(), is_in_the_way)) return ends;
+    // Where the two touch, the hole's own line shows the way.
+    const Point& way = from == to ? hole.points[(ends.second + 1) % hole.points.size()] : to;
+    if (!begins_inside(ring, ends.first, way)) continue;
+    const auto is_in_the_way = [&](const FlatRing& other) {
+      return from != to && (blocks(other, from, to) || !lets_by(other, from, to) || !lets_by(other, to, from));
+    };
+    if (!blocks(ring, from, to) && std::none_of(others.begin(), others.end(), is_in_the_way)) return ends;
   }
   return bridges.front().second;
 }
@@ -109,35 +135,65 @@ bool is_ear(const std::vector<Point>& points, const std::vector<std::size_t>& re
   return true;
 }
 
-/// Nothing lies between a corner's neighbours and itself: where a polygon touches itself, what is left of a part that
-/// was cut away.
-bool is_spent(const std::vector<Point>& points, const std::vector<std::size_t>& rest, std::size_t at) {
-  const Point& before = points[rest[(at + rest.size() - 1) % rest.size()]];
-  const Point& after = points[rest[(at + 1) % rest.size()]];
-  return before == after || before == points[rest[at]];
-}
-
-void cut_ears(std::span<const std::uint32_t> corners, const std::vector<Point>& points,
-              std::vector<Triangle>& triangles) {
-  std::vector<std::size_t> rest(corners.size());
-  for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = i;
-  const auto first_that = [&](auto is_wanted) {
-    std::size_t at = 0;
-    while (at < rest.size() && !is_wanted(points, rest, at)) ++at;
-    return at;
-  };
-  while (rest.size() >= 3) {
-    std::size_t at = first_that(is_spent);
-    if (at == rest.size()) {
-      at = first_that(is_ear);
-      // A polygon that crosses itself may have none left; what remains is still covered.
-      if (at == rest.size()) at = 0;
-      const std::size_t before = (at + rest.size() - 1) % rest.size();
-      triangles.push_back({corners[rest[before]], corners[rest[at]], corners[rest[(at + 1) % rest.size()]]});
-    }
-    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(at));
+/// Cuts ears off one ring. It goes on where the last one was, so that a ring without narrow places costs the square of
+/// its corners.
+class EarCutter {
+ public:
+  EarCutter(std::span<const std::uint32_t> corners, const std::vector<Point>& points, std::vector<Triangle>& triangles)
+      : corners_{corners}, points_{points}, triangles_{triangles}, rest_(corners.size()) {
+    std::iota(rest_.begin(), rest_.end(), std::size_t{0});
   }
-}
+
+  void run() {
+    for (std::size_t at = 0; rest_.size() >= 3 && at < rest_.size();) {
+      at = is_spent(at) ? take(at) : at + 1;
+    }
+    std::size_t at = 0;
+    std::size_t passed = 0;
+    while (rest_.size() >= 3) {
+      at %= rest_.size();
+      // A polygon that crosses itself may have no ear left; what remains is still covered.
+      if (passed < rest_.size() && !is_ear(points_, rest_, at)) {
+        ++at;
+        ++passed;
+        continue;
+      }
+      triangles_.push_back({corner(before(at)), corner(at), corner(after(at))});
+      at = take(at);
+      passed = 0;
+    }
+  }
+
+ private:
+  [[nodiscard]] std::size_t before(std::size_t at) const { return (at + rest_.size() - 1) % rest_.size(); }
+  [[nodiscard]] std::size_t after(std::size_t at) const { return (at + 1) % rest_.size(); }
+  [[nodiscard]] std::uint32_t corner(std::size_t at) const { return corners_[rest_[at]]; }
+  [[nodiscard]] const Point& point(std::size_t at) const { return points_[rest_[at]]; }
+
+  /// Nothing lies between a corner's neighbours and itself: where a polygon touches itself, what is left of a part that
+  /// was cut away.
+  [[nodiscard]] bool is_spent(std::size_t at) const {
+    return point(before(at)) == point(after(at)) || point(before(at)) == point(at);
+  }
+
+  /// Takes a corner out, and those beside it that are spent by that; where to go on.
+  std::size_t take(std::size_t at) {
+    for (;;) {
+      rest_.erase(rest_.begin() + static_cast<std::ptrdiff_t>(at));
+      if (rest_.size() < 3) return 0;
+      at %= rest_.size();
+      if (is_spent(at)) continue;
+      if (!is_spent(before(at))) return at;
+      at = before(at);
+    }
+  }
+
+  std::span<const std::uint32_t> corners_;
+  const std::vector<Point>& points_;
+  std::vector<Triangle>& triangles_;
+  /// Positions in the ring that are not cut off yet.
+  std::vector<std::size_t> rest_;
+};
 
 }  // namespace
 
@@ -149,12 +205,13 @@ bool append_polygon(std::span<const std::uint32_t> corners, std::span<const Eige
     triangles.push_back({corners[0], corners[1], corners[2]});
     return true;
   }
-  cut_ears(corners, flattened(corners, positions), triangles);
+  const auto points = flattened(corners, positions);
+  EarCutter{corners, points, triangles}.run();
   return true;
 }
 
 void append_flat_polygon(std::vector<FlatRing> rings, std::vector<Triangle>& triangles) {
-  // From right to left, as in Eberly, "Triangulation by ear clipping": a bridge then finds the ones before in place.
+  // Bridges as in Eberly, "Triangulation by ear clipping", but the shortest ones.
   const auto rightmost = [](const FlatRing& ring) {
     return std::max_element(ring.points.begin(), ring.points.end(),
                             [](const Point& a, const Point& b) { return a.x() < b.x(); })
@@ -166,7 +223,7 @@ void append_flat_polygon(std::vector<FlatRing> rings, std::vector<Triangle>& tri
   for (std::size_t i = 1; i < rings.size(); ++i) {
     join(outer, rings[i], bridge(outer, rings[i], std::span{rings}.subspan(i)));
   }
-  cut_ears(outer.corners, outer.points, triangles);
+  EarCutter{outer.corners, outer.points, triangles}.run();
 }
 
 }  // namespace meshloop

@@ -101,8 +101,8 @@ function(meshloop_find_public_headers result)
   set(${result} ${found} PARENT_SCOPE)
 endfunction()
 
-# `headers_stand_alone` compiles each header that other rooms include by itself, without what is precompiled. The others
-# come first in their own .cpp files.
+# `headers_stand_alone` compiles each header that other rooms include by itself, without what is precompiled. What a room
+# keeps to itself is only ever compiled after that.
 function(meshloop_headers_stand_alone target headers libraries)
   if(NOT TARGET headers_stand_alone)
     add_custom_target(headers_stand_alone)

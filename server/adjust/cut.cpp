@@ -56,6 +56,7 @@ class TrianglePlane {
 using Piece = std::vector<ClipperLib::Path>;
 
 void collect(const ClipperLib::PolyNode& outer, std::vector<Piece>& pieces) {
+  if (!ClipperLib::Orientation(outer.Contour)) return;
   Piece& piece = pieces.emplace_back();
   piece.push_back(outer.Contour);
   const std::size_t here = pieces.size() - 1;
@@ -65,17 +66,24 @@ void collect(const ClipperLib::PolyNode& outer, std::vector<Piece>& pieces) {
   }
 }
 
-/// Nothing when the lines leave the triangle as it is.
+bool is_a_corner(const ClipperLib::IntPoint& point, const ClipperLib::Path& triangle) {
+  return std::find(triangle.begin(), triangle.end(), point) != triangle.end();
+}
+
+/// Nothing when the lines leave the triangle as it is, or Clipper cannot tell.
 std::optional<std::vector<Piece>> difference(const ClipperLib::Path& triangle, const ClipperLib::Paths& lines) {
   ClipperLib::Clipper clipper{ClipperLib::ioStrictlySimple};
   clipper.AddPath(triangle, ClipperLib::ptSubject, true);
   clipper.AddPaths(lines, ClipperLib::ptClip, true);
   ClipperLib::PolyTree tree;
-  clipper.Execute(ClipperLib::ctDifference, tree, ClipperLib::pftNonZero, ClipperLib::pftNonZero);
+  if (!clipper.Execute(ClipperLib::ctDifference, tree, ClipperLib::pftNonZero, ClipperLib::pftNonZero)) {
+    return std::nullopt;
+  }
   std::vector<Piece> pieces;
   for (const auto* outer : tree.Childs) collect(*outer, pieces);
-  const bool is_whole = pieces.size() == 1 && pieces[0].size() == 1 && pieces[0][0].size() == 3 &&
-                        ClipperLib::Area(pieces[0][0]) == ClipperLib::Area(triangle);
+  const bool is_whole =
+      pieces.size() == 1 && pieces[0].size() == 1 && pieces[0][0].size() == 3 &&
+      std::all_of(pieces[0][0].begin(), pieces[0][0].end(), [&](const auto& p) { return is_a_corner(p, triangle); });
   if (is_whole) return std::nullopt;
   return pieces;
 }
@@ -137,6 +145,7 @@ class Cutter {
     for (const auto& corner : corners) outline.push_back(plane.in_plane(corner));
     ClipperLib::Paths paths;
     for (const auto& line : lines) {
+      if (!std::all_of(line.begin(), line.end(), [](const auto& p) { return p.allFinite(); })) continue;
       auto& path = paths.emplace_back();
       for (const auto& p : line) path.push_back(plane.in_plane(p));
     }
@@ -155,40 +164,52 @@ class Cutter {
                    const ClipperLib::Path& outline) {
     FlatRing ring;
     for (const auto& point : path) {
-      ring.corners.push_back(vertex_at(t, plane.in_space(point), side_of(point, outline)));
+      ring.corners.push_back(vertex_at(t, plane.in_space(point), sides_of(point, outline)));
       ring.points.emplace_back(static_cast<double>(point.X), static_cast<double>(point.Y));
     }
     return ring;
   }
 
-  /// The side of the triangle on which a point lies.
-  static std::optional<std::size_t> side_of(const ClipperLib::IntPoint& point, const ClipperLib::Path& outline) {
+  /// The sides of the triangle on which a point lies.
+  static std::vector<std::size_t> sides_of(const ClipperLib::IntPoint& point, const ClipperLib::Path& outline) {
+    std::vector<std::size_t> sides;
     for (std::size_t side = 0; side < 3; ++side) {
       const auto& a = outline[side];
       const auto& b = outline[(side + 1) % 3];
       const Eigen::Vector2d edge{static_cast<double>(b.X - a.X), static_cast<double>(b.Y - a.Y)};
       const Eigen::Vector2d from{static_cast<double>(point.X - a.X), static_cast<double>(point.Y - a.Y)};
-      if (std::abs(edge.x() * from.y() - edge.y() * from.x()) <= kOnEdge_um * edge.norm()) return side;
+      if (std::abs(edge.x() * from.y() - edge.y() * from.x()) <= kOnEdge_um * edge.norm()) sides.push_back(side);
     }
-    return std::nullopt;
+    return sides;
   }
 
-  std::uint32_t vertex_at(std::uint32_t t, const Eigen::Vector3d& p, std::optional<std::size_t> side) {
+  std::uint32_t vertex_at(std::uint32_t t, const Eigen::Vector3d& p, const std::vector<std::size_t>& sides) {
     const Triangle& triangle = submesh_.triangles[t];
     const Eigen::Vector3f snapped = on_lattice(p.cast<float>());
     for (const auto corner : triangle) {
       if ((position(corner) - p).norm() < kSame_m || submesh_.positions[corner] == snapped) return corner;
     }
-    if (side) {
-      auto& points = edge_points_[edge_of(t, *side)];
-      const double along_m = along(t, *side, p);
-      for (const auto& known : points) {
-        if (std::abs(known.along_m - along_m) < kSame_m) return known.vertex;
-      }
-      points.push_back({along_m, add_vertex(t, snapped)});
-      return points.back().vertex;
+    std::optional<std::uint32_t> vertex;
+    for (const auto side : sides) {
+      if (!vertex) vertex = known_on(t, side, p);
     }
-    return add_vertex(t, snapped);
+    if (!vertex) vertex = add_vertex(t, snapped);
+    for (const auto side : sides) {
+      if (!known_on(t, side, p)) edge_points_[edge_of(t, side)].push_back({along(t, side, p), *vertex});
+    }
+    return *vertex;
+  }
+
+  /// The vertex that lies there on the edge already.
+  [[nodiscard]] std::optional<std::uint32_t> known_on(std::uint32_t t, std::size_t side,
+                                                      const Eigen::Vector3d& p) const {
+    const auto points = edge_points_.find(edge_of(t, side));
+    if (points == edge_points_.end()) return std::nullopt;
+    const double along_m = along(t, side, p);
+    for (const auto& point : points->second) {
+      if (std::abs(point.along_m - along_m) < kSame_m) return point.vertex;
+    }
+    return std::nullopt;
   }
 
   /// Metres from the edge's first place; both triangles at an edge give the same.
@@ -213,11 +234,16 @@ class Cutter {
     const Triangle& triangle = submesh_.triangles[t];
     const std::array<Eigen::Vector3d, 3> q{position(triangle[0]), position(triangle[1]), position(triangle[2])};
     const Eigen::Vector3d normal = (q[1] - q[0]).cross(q[2] - q[0]);
+    std::array<double, 3> shares{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Eigen::Vector3d opposite = (q[(k + 1) % 3] - p).cross(q[(k + 2) % 3] - p);
+      shares[k] = std::max(opposite.dot(normal), 0.0);
+    }
+    const double sum = shares[0] + shares[1] + shares[2];
     std::array<double, 3> rgb{};
     int all_levels = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-      const Eigen::Vector3d opposite = (q[(k + 1) % 3] - p).cross(q[(k + 2) % 3] - p);
-      const double share = std::clamp(opposite.dot(normal) / normal.squaredNorm(), 0.0, 1.0);
+      const double share = sum > 0 ? shares[k] / sum : 1.0 / 3;
       const Rgb8& color = submesh_.colors[triangle[k]];
       rgb[0] += share * color.r;
       rgb[1] += share * color.g;
@@ -321,7 +347,11 @@ class Cutter {
 }  // namespace
 
 CutSubmesh cut(const Submesh& submesh, const Removal& removal) {
-  return Cutter{submesh, removal}.run();
+  if (!removal.cuts.empty()) return Cutter{submesh, removal}.run();
+  std::vector<bool> keep = removal.triangles;
+  keep.flip();
+  const auto taken = static_cast<std::size_t>(std::count(keep.begin(), keep.end(), false));
+  return {keep_triangles(submesh, keep), taken, 0};
 }
 
 }  // namespace meshloop::adjust

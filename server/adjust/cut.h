@@ -15,8 +15,8 @@ struct CutSubmesh {
 };
 
 /// Takes the removal's triangles and parts of triangles away. What no line touches keeps its bits and its order and
-/// comes first; new corners lie on the scene's lattice, and on an edge both of its triangles get the same ones, so that
-/// what stays has no crack. Colours are interpolated.
+/// comes first; new corners lie on the scene's lattice, and where two triangles share an edge both get the same ones,
+/// so that no crack opens. Colours are interpolated.
 [[nodiscard]] CutSubmesh cut(const Submesh& submesh, const Removal& removal);
 
 }  // namespace meshloop::adjust

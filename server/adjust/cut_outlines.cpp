@@ -94,6 +94,10 @@ std::optional<Footprint> footprint_of(const std::array<Eigen::Vector3d, 3>& corn
   return footprint;
 }
 
+Window common_part(const Window& a, const Window& b) {
+  return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
+}
+
 /// Asks the snapshot's images about the plane of one triangle.
 class PlaneInPicture {
  public:
@@ -101,15 +105,21 @@ class PlaneInPicture {
                  std::uint32_t node_index)
       : snapshot_{snapshot}, surface_{surface}, footprint_{footprint}, node_index_{node_index} {}
 
-  /// By region that speaks for a pixel of the footprint: the window around its pixels there, with a margin.
-  [[nodiscard]] std::map<RegionId, Window> regions() const {
-    std::map<RegionId, Window> found;
-    const Window& w = footprint_.window;
+  /// Looks over the window for what the rest needs: whether some pixel shows the triangle's plane and, by region that
+  /// speaks for such a pixel, the window around its pixels, with a margin.
+  struct Found {
+    bool is_shown = false;
+    std::map<RegionId, Window> regions;
+  };
+  [[nodiscard]] Found look_over(const Window& w) const {
+    Found found;
     for (int y = w.y0; y < w.y1; ++y) {
       for (int x = w.x0; x < w.x1; ++x) {
+        if (!shows(x, y)) continue;
+        found.is_shown = true;
         const RegionId region = surface_.evidence(x, y);
         if (region == 0) continue;
-        Window& around = found.try_emplace(region, Window{w.x1, w.y1, w.x0, w.y0}).first->second;
+        Window& around = found.regions.try_emplace(region, Window{w.x1, w.y1, w.x0, w.y0}).first->second;
         around = {std::max(w.x0, std::min(around.x0, x - kMargin_px)),
                   std::max(w.y0, std::min(around.y0, y - kMargin_px)),
                   std::min(w.x1, std::max(around.x1, x + kMargin_px + 1)),
@@ -208,6 +218,7 @@ LargeTriangles find_cut_outlines(const Snapshot& snapshot, const VisibleSurface&
   const Pose T_camera_node = snapshot.depth_pose.T_camera_world * node.T_world_node;
   LargeTriangles result;
   result.is_large.assign(node.submesh->triangles.size(), false);
+  result.is_shown = result.is_large;
   for (std::uint32_t t = 0; t < result.is_large.size(); ++t) {
     std::array<Eigen::Vector3d, 3> corners;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -216,9 +227,13 @@ LargeTriangles find_cut_outlines(const Snapshot& snapshot, const VisibleSurface&
     const auto footprint = footprint_of(corners, camera);
     if (!footprint) continue;
     result.is_large[t] = true;
+    const Window window = common_part(footprint->window, surface.evidence_window());
+    if (window.empty()) continue;
     const PlaneInPicture plane{snapshot, surface, *footprint, static_cast<std::uint32_t>(node_position + 1)};
-    for (const auto& [region, window] : plane.regions()) {
-      auto lines = lifted(outline_of(plane.mask_of(region, window), kSmallest_px), window, *footprint, camera,
+    const auto found = plane.look_over(window);
+    result.is_shown[t] = found.is_shown;
+    for (const auto& [region, around] : found.regions) {
+      auto lines = lifted(outline_of(plane.mask_of(region, around), kSmallest_px), around, *footprint, camera,
                           T_camera_node.inverse());
       if (!lines.empty()) result.by_region[region].emplace(t, std::move(lines));
     }

@@ -11,8 +11,10 @@ namespace meshloop::adjust {
 
 /// A node's triangles by what the picture can tell of them.
 struct LargeTriangles {
-  /// Those that are more than a few pixels long. They are cut; smaller ones go or stay as they are.
+  /// Those that are more than a few pixels long.
   std::vector<bool> is_large;
+  /// Of these, those that some pixel near a removal region shows. They are cut; others go or stay as they are.
+  std::vector<bool> is_shown;
   /// What each confirmed removal region takes away of them.
   std::map<RegionId, CutOutlines> by_region;
 };

@@ -15,6 +15,8 @@ constexpr double kStraight_px = 1;
 /// A corner that fitted lines put farther from the steps than this stays where the steps have it.
 constexpr double kCornerMoves_px = 1.5;
 constexpr std::size_t kFittedSteps = 6;
+/// A line as ragged as noise is straightened further: what it is cut from takes the square of its corners.
+constexpr std::size_t kMostCorners = 300;
 
 using Corner = std::pair<int, int>;
 
@@ -86,7 +88,9 @@ bool meet(const cv::Vec4f& a, const cv::Vec4f& b, Eigen::Vector2d& corner) {
 
 Loop straightened(const std::vector<cv::Point2f>& middles) {
   std::vector<cv::Point2f> corners;
-  cv::approxPolyDP(middles, corners, kStraight_px, true);
+  for (double off_px = kStraight_px; corners.empty() || corners.size() > kMostCorners; off_px *= 1.5) {
+    cv::approxPolyDP(middles, corners, off_px, true);
+  }
   const std::size_t n = corners.size();
   std::vector<std::size_t> places;
   for (const auto& corner : corners) {

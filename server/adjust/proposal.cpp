@@ -63,7 +63,7 @@ using Removals = std::map<NodeId, Removal>;
 Status add_removals(const Model& model, const Proposal& proposal, Removals& removals) {
   for (const auto& removal : proposal.removed) {
     const Node* node = model.find(removal.node);
-    if (node == nullptr || node->submesh->triangles.size() != removal.triangles.size()) {
+    if (node == nullptr || node->hash != removal.hash) {
       return fail(fmt::format("proposal {} was made for another revision of node {}; take a new snapshot", proposal.id,
                               removal.node));
     }
@@ -97,9 +97,9 @@ std::vector<Proposal> propose(const Snapshot& snapshot, NodeId next_node_id, con
   return proposals;
 }
 
-Result<std::vector<Edit>> merge_edits(const Model& model, const std::vector<Proposal>& accepted) {
+Result<MergedEdits> merge_edits(const Model& model, const std::vector<Proposal>& accepted) {
   Removals removals;
-  std::vector<Edit> edits;
+  MergedEdits merged;
   std::set<NodeId> added;
   for (const auto& proposal : accepted) {
     if (auto ok = add_removals(model, proposal, removals); !ok) return fail(ok.error());
@@ -110,15 +110,18 @@ Result<std::vector<Edit>> merge_edits(const Model& model, const std::vector<Prop
         return fail(fmt::format("proposal {} adds node {}, which is there already; take a new snapshot", proposal.id,
                                 addition->node.id));
       }
-      edits.push_back(edit);
+      merged.edits.push_back(edit);
+      merged.triangles_added += addition->node.submesh->triangles.size();
     }
   }
   for (const auto& [id, removal] : removals) {
-    if (auto removed = adjust::remove_from(*model.find(id), removal); removed.edit) {
-      edits.push_back(std::move(*removed.edit));
-    }
+    auto removed = adjust::remove_from(*model.find(id), removal);
+    if (!removed.edit) continue;
+    merged.edits.push_back(std::move(*removed.edit));
+    merged.triangles_added += removed.added;
+    merged.triangles_removed += removed.taken;
   }
-  return edits;
+  return merged;
 }
 
 }  // namespace meshloop

@@ -36,6 +36,8 @@ using CutOutlines = std::map<std::uint32_t, std::vector<PlaneLine>>;
 /// What goes of a node, by the triangles of its submesh in the snapshot's model.
 struct Removal {
   NodeId node = 0;
+  /// Of the submesh that the rest is about.
+  Hash hash{};
   /// Those that go whole.
   std::vector<bool> triangles;
   /// Those of which a part goes.
@@ -74,9 +76,17 @@ struct AdjustOptions {
 [[nodiscard]] std::vector<Proposal> propose(const Snapshot& snapshot, NodeId next_node_id,
                                             const AdjustOptions& options);
 
-/// Edits of several accepted proposals as one list that `apply` takes: several removals from one node become one.
-/// Refuses proposals that were made for another revision of the model.
-[[nodiscard]] Result<std::vector<Edit>> merge_edits(const Model& model, const std::vector<Proposal>& accepted);
+/// What `apply` takes.
+struct MergedEdits {
+  std::vector<Edit> edits;
+  /// By all of them together: proposals may share a triangle that is cut.
+  std::size_t triangles_added = 0;
+  std::size_t triangles_removed = 0;
+};
+
+/// Edits of several accepted proposals as one list: several removals from one node become one. Refuses proposals that
+/// were made for another revision of the model.
+[[nodiscard]] Result<MergedEdits> merge_edits(const Model& model, const std::vector<Proposal>& accepted);
 
 /// The depth grid of a region as a submesh in the world, coloured from the colour image, on the scene's lattice.
 /// Positions are the depth pixels, back-projected and carried to the world; colours are looked up where the colour

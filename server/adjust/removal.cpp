@@ -45,7 +45,7 @@ std::map<RegionId, Removal> by_region(const Node& node, const std::vector<Region
   std::map<RegionId, Removal> removals;
   const auto removal_of = [&](RegionId region) -> Removal& {
     const auto [entry, is_new] = removals.try_emplace(region);
-    if (is_new) entry->second = {node.id, std::vector<bool>(marks.size(), false), {}};
+    if (is_new) entry->second = {node.id, node.hash, std::vector<bool>(marks.size(), false), {}};
     return entry->second;
   };
   for (std::size_t t = 0; t < marks.size(); ++t) {
@@ -66,9 +66,11 @@ std::map<RegionId, Removal> removals_of(const Snapshot& snapshot, const VisibleS
   LargeTriangles large = find_cut_outlines(snapshot, surface, position);
   auto marks = mark_triangles(surface, node, position, vertices);
   for (std::size_t t = 0; t < marks.size(); ++t) {
-    if (large.is_large[t]) marks[t] = 0;
+    if (large.is_shown[t]) marks[t] = 0;
   }
   const auto in_sight = [&](std::size_t t) {
+    // What is large is no crumb.
+    if (large.is_large[t]) return false;
     const auto& [a, b, c] = node.submesh->triangles[t];
     return vertices[a].sight == Sight::clear && vertices[b].sight == Sight::clear &&
            vertices[c].sight == Sight::clear && look_at_center(surface, node, position, t).sight == Sight::clear;

@@ -21,6 +21,7 @@ VisibleSurface::VisibleSurface(const Snapshot& snapshot) : snapshot_{&snapshot} 
   std::sort(removal_ids_.begin(), removal_ids_.end());
   start_evidence();
   for (int i = 0; i < kSilhouette_px; ++i) grow_evidence();
+  find_evidence_window();
 }
 
 void VisibleSurface::start_evidence() {
@@ -35,6 +36,21 @@ void VisibleSurface::start_evidence() {
       id = 0;
     }
   }
+}
+
+void VisibleSurface::find_evidence_window() {
+  constexpr int kMargin_px = 3;
+  Window box{evidence_.width(), evidence_.height(), 0, 0};
+  for (int y = 0; y < evidence_.height(); ++y) {
+    for (int x = 0; x < evidence_.width(); ++x) {
+      if (evidence_(x, y) == 0) continue;
+      box = {std::min(box.x0, x), std::min(box.y0, y), std::max(box.x1, x + 1), std::max(box.y1, y + 1)};
+    }
+  }
+  if (box.empty()) return;
+  evidence_window_ = {std::max(0, box.x0 - kMargin_px), std::max(0, box.y0 - kMargin_px),
+                      std::min(evidence_.width(), box.x1 + kMargin_px),
+                      std::min(evidence_.height(), box.y1 + kMargin_px)};
 }
 
 void VisibleSurface::grow_evidence() {

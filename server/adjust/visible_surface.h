@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "server/adjust/depth_grid.h"
 #include "server/adjust/proposal.h"
 
 namespace meshloop::adjust {
@@ -34,6 +35,8 @@ class VisibleSurface {
 
   /// The confirmed removal region that a pixel speaks for; 0 for none.
   [[nodiscard]] RegionId evidence(int x, int y) const { return evidence_(x, y); }
+  /// Around all such pixels, with a margin; empty when there are none.
+  [[nodiscard]] const Window& evidence_window() const { return evidence_window_; }
   /// A point at this depth is seen through at a pixel that speaks for a region.
   [[nodiscard]] bool is_seen_through(int x, int y, double z) const;
 
@@ -46,12 +49,14 @@ class VisibleSurface {
 
   void start_evidence();
   void grow_evidence();
+  void find_evidence_window();
 
   const Snapshot* snapshot_;
   /// Sorted.
   std::vector<RegionId> removal_ids_;
   /// The confirmed removal region that each pixel speaks for, 0 for none, and the difference it must exceed.
   Image<RegionId> evidence_;
+  Window evidence_window_;
   Image<float> threshold_m_;
 };
 

@@ -51,20 +51,20 @@ std::vector<Proposal> propose_changes(const TrackedFrame& tracked, const Examina
 
 Result<Acceptance> accept_changes(SceneStore& store, const std::vector<Proposal>& accepted, const std::string& author,
                                   const ColorImage& picture) {
-  const auto edits = merge_edits(*store.model(), accepted);
-  if (!edits) return fail(edits.error());
+  const auto merged = merge_edits(*store.model(), accepted);
+  if (!merged) return fail(merged.error());
   Acceptance acceptance;
   RevisionInfo& info = acceptance.info;
   info.accepted_ns = wall_clock_ns();
   info.author = author;
+  info.triangles_added = merged->triangles_added;
+  info.triangles_removed = merged->triangles_removed;
   for (const auto& proposal : accepted) {
-    info.triangles_added += proposal.triangles_added;
-    info.triangles_removed += proposal.triangles_removed;
     info.summary += fmt::format("{}region {}: {}", info.summary.empty() ? "" : "; ", proposal.id, proposal.effect);
   }
   if (auto png = encode_png(picture)) info.pictures.push_back(std::move(*png));
   const Stopwatch watch;
-  auto model = store.commit_unsynced(*edits, info);
+  auto model = store.commit_unsynced(merged->edits, info);
   if (!model) return fail(model.error());
   acceptance.commit_ms = watch.milliseconds();
   acceptance.model = std::move(*model);

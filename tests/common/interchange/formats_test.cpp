@@ -10,7 +10,6 @@
 #include "common/interchange/stl_reader.h"
 #include "common/interchange/vrml_reader.h"
 #include "common/interchange/x3d_reader.h"
-#include "common/mesh/triangulate.h"
 #include "files.h"
 
 namespace meshloop {
@@ -333,17 +332,6 @@ TEST_F(Formats, ReportsGrowingProgressUpToTheEnd) {
   EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
   EXPECT_GT(shares.back(), 0.5);
   EXPECT_LE(shares.back(), 1);
-}
-
-TEST(Triangulate, RefusesWhatIsNoPolygon) {
-  std::vector<Triangle> triangles;
-  const std::vector<Eigen::Vector3f> positions(3, Eigen::Vector3f::Zero());
-  EXPECT_FALSE(append_polygon(std::vector<std::uint32_t>{0, 1}, positions, triangles));
-  EXPECT_FALSE(append_polygon(std::vector<std::uint32_t>{0, 1, 3}, positions, triangles));
-  EXPECT_TRUE(triangles.empty());
-  // No area at all: no triangles, and an end.
-  EXPECT_TRUE(append_polygon(std::vector<std::uint32_t>{0, 1, 2, 0, 1}, positions, triangles));
-  EXPECT_TRUE(triangles.empty());
 }
 
 }  // namespace

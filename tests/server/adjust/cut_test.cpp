@@ -92,19 +92,22 @@ std::vector<Edge> border_of(const Submesh& mesh) {
   return border;
 }
 
-/// Every border edge that is not on the wall's own border runs around the opening; no corner lies within an edge.
+/// Every border edge that is not on the wall's own border runs around the opening; no corner lies on another edge.
 void expect_no_crack(const Submesh& mesh, float half) {
   const auto border = border_of(mesh);
+  const auto is_on_side = [half](const Eigen::Vector3f& p, const Eigen::Vector3f& q, int axis) {
+    return p[axis] == q[axis] && std::abs(p[axis]) == half;
+  };
   for (const auto& [a, b] : border) {
     const Eigen::Vector3f p = mesh.positions[a];
     const Eigen::Vector3f q = mesh.positions[b];
-    const bool is_outer = (p.cwiseAbs().cwiseMin(q.cwiseAbs()).head<2>().maxCoeff() == half);
     const bool is_inner = std::max(p.head<2>().cwiseAbs().maxCoeff(), q.head<2>().cwiseAbs().maxCoeff()) < 0.17F;
-    EXPECT_TRUE(is_outer || is_inner) << p.transpose() << " to " << q.transpose();
+    EXPECT_TRUE(is_on_side(p, q, 0) || is_on_side(p, q, 1) || is_inner) << p.transpose() << " to " << q.transpose();
     for (const auto& r : mesh.positions) {
       const float along = (r - p).dot(q - p) / (q - p).squaredNorm();
-      if (along <= 0 || along >= 1 || r == p || r == q) continue;
-      EXPECT_GT((r - p - along * (q - p)).norm(), 0.0F) << "a corner on the edge of another triangle";
+      // An opening's corner that lies on the edge of two triangles may be two corners, a step of the lattice apart.
+      if (along <= 0 || along >= 1 || std::min((r - p).norm(), (r - q).norm()) < 0.001F) continue;
+      EXPECT_GT((r - p - along * (q - p)).norm(), kLatticeSpacing_m) << "a corner on the edge of another triangle";
     }
   }
 }
@@ -112,7 +115,7 @@ void expect_no_crack(const Submesh& mesh, float half) {
 Submesh wall_after(const World& world, const std::vector<Proposal>& accepted) {
   const auto edits = merge_edits(world.model, accepted);
   EXPECT_TRUE(edits.has_value());
-  return *apply(world.model, *edits, 2).value().find(1)->submesh;
+  return *apply(world.model, edits->edits, 2).value().find(1)->submesh;
 }
 
 Proposal removal_of(const World& world) {
@@ -175,30 +178,116 @@ TEST(Cut, WhatIsHiddenStays) {
   }
 }
 
-TEST(Cut, SmallNeighboursOfACutTriangleGetItsCorners) {
-  // Left of x = 0 two triangles, right of it many of a centimetre or two.
-  Submesh wall;
-  wall.positions = {{-1.5F, -1.5F, 1}, {0, -1.5F, 1}, {0, 1.5F, 1}, {-1.5F, 1.5F, 1}};
-  wall.triangles = {{0, 2, 1}, {0, 3, 2}};
-  constexpr std::uint32_t kCells = 128;
-  const auto first = static_cast<std::uint32_t>(wall.positions.size());
-  for (std::uint32_t y = 0; y <= kCells; ++y) {
-    for (std::uint32_t x = 0; x <= kCells; ++x) {
-      wall.positions.emplace_back(1.5F * static_cast<float>(x) / kCells, 3 * static_cast<float>(y) / kCells - 1.5F, 1);
+/// Edges by place that are not run through once in each direction.
+std::size_t open_edges(const Submesh& mesh) {
+  using Place = std::array<float, 3>;
+  std::map<std::pair<Place, Place>, int> count;
+  const auto place = [&](std::uint32_t v) {
+    return Place{mesh.positions[v].x(), mesh.positions[v].y(), mesh.positions[v].z()};
+  };
+  for (const auto& t : mesh.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Place from = place(t[k]);
+      const Place to = place(t[(k + 1) % 3]);
+      count[std::minmax(from, to)] += from < to ? 1 : -1;
     }
   }
-  for (std::uint32_t y = 0; y < kCells; ++y) {
-    for (std::uint32_t x = 0; x < kCells; ++x) {
-      const std::uint32_t i = first + y * (kCells + 1) + x;
-      wall.triangles.push_back({i, i + kCells + 1, i + 1});
-      wall.triangles.push_back({i + 1, i + kCells + 1, i + kCells + 2});
-    }
+  return static_cast<std::size_t>(
+      std::count_if(count.begin(), count.end(), [](const auto& edge) { return edge.second != 0; }));
+}
+
+TEST(Cut, ANeighbourThatStaysWholeGetsTheCorners) {
+  // A box of two triangles a face, whose faces have vertices of their own. A notch in one face reaches over its edge.
+  const Submesh box = snap_to_lattice(boxes::tessellate({{-0.5, -0.5, 1}, {0.5, 0.5, 2}, 1, true, 100}));
+  ASSERT_EQ(box.triangles.size(), 12U);
+  ASSERT_EQ(open_edges(box), 0U);
+  Removal removal;
+  removal.triangles.assign(box.triangles.size(), false);
+  const PlaneLine notch{{-0.2, 0.3, 1}, {0.1, 0.3, 1}, {0.13, 0.7, 1}, {-0.2, 0.7, 1}};
+  for (std::uint32_t t = 0; t < box.triangles.size(); ++t) {
+    const auto& corners = box.triangles[t];
+    const bool is_front =
+        std::all_of(corners.begin(), corners.end(), [&](auto v) { return box.positions[v].z() == 1.0F; });
+    if (is_front) removal.cuts[t] = {notch};
   }
-  const auto world = world_with_opening(look_at({0.3, 0.2, -0.2}, {0, 0, 1}, {0, -1, 0}), 0, wall);
+  ASSERT_EQ(removal.cuts.size(), 2U);
+  const auto cut = adjust::cut(box, removal);
+  // Open are the notch's three sides in the front, and its mouth in the face beside, which is one edge there.
+  EXPECT_EQ(cut.taken, 2U);
+  EXPECT_EQ(open_edges(cut.submesh), 4U);
+  EXPECT_NEAR(area_of(box) - area_of(cut.submesh), 0.2 * (0.3 + 0.315) / 2, 0.001);
+}
+
+TEST(Cut, TwoOpeningsInOneTriangle) {
+  const Submesh wall = sheet(2, 1);
+  Removal removal;
+  removal.triangles = {false, false};
+  // Both in the triangle above the diagonal.
+  removal.cuts[1] = {{{-1, 0.5, 1}, {-0.2, 0.5, 1}, {-0.2, 1.3, 1}, {-1, 1.3, 1}},
+                     {{-0.8, 0.1, 1}, {-0.5, 0.1, 1}, {-0.5, 0.4, 1}, {-0.8, 0.4, 1}}};
+  const auto cut = adjust::cut(wall, removal);
+  EXPECT_NEAR(area_of(wall) - area_of(cut.submesh), 0.64 + 0.09, 0.002);
+  EXPECT_EQ(border_of(cut.submesh).size(), 4U + 8U);
+}
+
+TEST(Cut, FollowsANodeThatWasMoved) {
+  auto world = world_with_opening(Pose::Identity(), 0, sheet(1.5F, 1));
+  // The same wall in the world, by a node whose geometry lies elsewhere in its own frame.
+  const Pose T_world_node = make_pose(
+      {0.25, -0.5, 0.125}, Eigen::Quaterniond{Eigen::AngleAxisd{std::numbers::pi / 2, Eigen::Vector3d::UnitZ()}});
+  Submesh moved = sheet(1.5F, 1);
+  for (auto& p : moved.positions) p = (T_world_node.inverse() * p.cast<double>()).cast<float>();
+  world->model.nodes[0] = make_node(1, "wall", moved, T_world_node);
+  EXPECT_NEAR(removed_from(moved, wall_after(*world, {removal_of(*world)})), 1, 0.03);
+}
+
+TEST(Cut, AnotherRevisionWithAsManyTrianglesIsRefused) {
+  const auto world = world_with_opening(Pose::Identity(), 0, sheet(1.5F, 1));
   const Proposal proposal = removal_of(*world);
-  const Submesh after = wall_after(*world, {proposal});
-  EXPECT_NEAR(removed_from(wall, after), 1, 0.03);
-  EXPECT_EQ(wall.triangles.size() - proposal.triangles_removed, after.triangles.size() - proposal.triangles_added);
+  Submesh other = sheet(1.5F, 1);
+  std::swap(other.triangles[0], other.triangles[1]);
+  world->model.nodes[0] = make_node(1, "wall", other);
+  EXPECT_FALSE(merge_edits(world->model, {proposal}));
+}
+
+TEST(Cut, ATriangleThatTwoRegionsShareCountsOnce) {
+  const Box post{{-0.02, -1, 0.5}, {0.02, 1, 0.52}, 3};
+  const auto world = world_with_opening(Pose::Identity(), 0, sheet(1.5F, 1), {post});
+  const auto proposals = propose(world->snapshot(), 10, {});
+  ASSERT_EQ(proposals.size(), 2U);
+  const auto merged = merge_edits(world->model, proposals);
+  ASSERT_TRUE(merged);
+  EXPECT_EQ(merged->triangles_removed, 2U);
+  EXPECT_EQ(merged->triangles_added, wall_after(*world, proposals).triangles.size());
+}
+
+TEST(Cut, ALargeTriangleIsNoCrumb) {
+  // A handle of small triangles on a panel of few large ones is gone; the panel stays.
+  Submesh panel = sheet(1.5F, 1);
+  const Box handle{{-0.05, -0.05, 0.9}, {0.05, 0.05, 1}, 1, false};
+  const Box real_panel{{-1.5, -1.5, 1}, {1.5, 1.5, 1.05}, 0};
+  WorldOptions options;
+  options.depth = kinect();
+  auto world = make_world({handle, real_panel}, Pose::Identity(), options);
+  Submesh both = snap_to_lattice(boxes::tessellate(handle));
+  const auto first = static_cast<std::uint32_t>(both.positions.size());
+  // The panel around the handle's foot, whose corners it shares.
+  panel.positions.insert(panel.positions.end(),
+                         {{-0.05F, -0.05F, 1}, {0.05F, -0.05F, 1}, {0.05F, 0.05F, 1}, {-0.05F, 0.05F, 1}});
+  panel = snap_to_lattice(panel);
+  panel.triangles = {{0, 4, 1}, {1, 4, 5}, {1, 5, 2}, {2, 5, 6}, {2, 6, 3}, {3, 6, 7}, {3, 7, 0}, {0, 7, 4}};
+  both.positions.insert(both.positions.end(), panel.positions.begin(), panel.positions.end());
+  for (const auto& [a, b, c] : panel.triangles) both.triangles.push_back({a + first, b + first, c + first});
+  world->model.nodes[0] = make_node(1, "door", both);
+  const auto proposals = propose(world->snapshot(), 10, {});
+  ASSERT_EQ(proposals.size(), 1U);
+  const Submesh left = wall_after(*world, proposals);
+  std::size_t large = 0;
+  for (const auto& [a, b, c] : left.triangles) {
+    large +=
+        (left.positions[a] - left.positions[b]).norm() + (left.positions[b] - left.positions[c]).norm() > 1 ? 1 : 0;
+  }
+  EXPECT_EQ(large, 8U);
 }
 
 TEST(Cut, ColorsAreThoseOfTheTriangle) {
@@ -214,7 +303,8 @@ TEST(Cut, ColorsAreThoseOfTheTriangle) {
 }
 
 TEST(Cut, NothingOfATriangleMayBeLeft) {
-  Removal removal{1, {false, false}, {}};
+  Removal removal;
+  removal.triangles = {false, false};
   const Submesh wall = sheet(1, 1);
   const PlaneLine all{{-2, -2, 1}, {2, -2, 1}, {2, 2, 1}, {-2, 2, 1}};
   removal.cuts = {{0, {all}}, {1, {all}}};
@@ -234,7 +324,8 @@ TEST(Cut, AnyLinesLeaveASurfaceThatFits) {
   std::mt19937 random{3};
   std::uniform_real_distribution<double> place{-1.3, 1.3};
   for (int i = 0; i < 200; ++i) {
-    Removal removal{1, {false, false}, {}};
+    Removal removal;
+    removal.triangles = {false, false};
     for (int k = 0; k < 1 + i % 3; ++k) {
       PlaneLine line;
       for (int n = 0; n < 3 + i % 5; ++n) line.emplace_back(place(random), place(random), 1);

@@ -44,7 +44,7 @@ TEST(Propose, AllAcceptedEditsApply) {
   const auto world = changed_world();
   const auto edits = merge_edits(world->model, propose(world->snapshot(), 10, {}));
   ASSERT_TRUE(edits.has_value());
-  const auto changed = apply(world->model, *edits, 2);
+  const auto changed = apply(world->model, edits->edits, 2);
   ASSERT_TRUE(changed.has_value());
   EXPECT_EQ(changed->nodes.size(), 3u);
 }
@@ -94,7 +94,7 @@ TEST(MergeEdits, RefusesAProposalOfAnotherRevision) {
   const auto proposals = propose(world->snapshot(), 10, {});
   const auto edits = merge_edits(world->model, proposals);
   ASSERT_TRUE(edits.has_value());
-  const auto changed = apply(world->model, *edits, 2);
+  const auto changed = apply(world->model, edits->edits, 2);
   ASSERT_TRUE(changed.has_value());
   for (const auto& proposal : proposals) {
     const auto again = merge_edits(*changed, {proposal});
@@ -115,7 +115,7 @@ TEST(MergeEdits, RefusesTheSameAdditionTwice) {
 TEST(MergeEdits, OfNothingIsNothing) {
   const auto edits = merge_edits(Model{}, {});
   ASSERT_TRUE(edits.has_value());
-  EXPECT_TRUE(edits->empty());
+  EXPECT_TRUE(edits->edits.empty());
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ const Box kWall{{-2, -2, 2}, {2, 2, 2.1}, 1};
 Model after(const World& world, const std::vector<Proposal>& accepted) {
   const auto edits = merge_edits(world.model, accepted);
   EXPECT_TRUE(edits.has_value());
-  auto changed = apply(world.model, *edits, 2);
+  auto changed = apply(world.model, edits->edits, 2);
   EXPECT_TRUE(changed.has_value());
   return *changed;
 }
@@ -126,13 +126,13 @@ TEST(Removal, TwoRegionsOnOneNodeBecomeOneEdit) {
   ASSERT_EQ(proposals.size(), 2u);
   const auto both = merge_edits(world->model, proposals);
   ASSERT_TRUE(both.has_value());
-  ASSERT_EQ(both->size(), 1u);
+  ASSERT_EQ(both->edits.size(), 1u);
   const auto count = world->model.find(2)->submesh->triangles.size();
-  EXPECT_EQ(std::get<ReplaceSubmesh>((*both)[0]).submesh->triangles.size(),
+  EXPECT_EQ(std::get<ReplaceSubmesh>(both->edits[0]).submesh->triangles.size(),
             count - proposals[0].triangles_removed - proposals[1].triangles_removed);
   const auto one = merge_edits(world->model, {proposals[1]});
   ASSERT_TRUE(one.has_value());
-  EXPECT_EQ(std::get<ReplaceSubmesh>((*one)[0]).submesh->triangles.size(), count - proposals[1].triangles_removed);
+  EXPECT_EQ(std::get<ReplaceSubmesh>(one->edits[0]).submesh->triangles.size(), count - proposals[1].triangles_removed);
 }
 
 TEST(Removal, ANodeWithoutTrianglesIsRemoved) {
