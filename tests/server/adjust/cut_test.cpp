@@ -262,32 +262,33 @@ TEST(Cut, ATriangleThatTwoRegionsShareCountsOnce) {
 }
 
 TEST(Cut, ALargeTriangleIsNoCrumb) {
-  // A handle of small triangles on a panel of few large ones is gone; the panel stays.
-  Submesh panel = sheet(1.5F, 1);
-  const Box handle{{-0.05, -0.05, 0.9}, {0.05, 0.05, 1}, 1, false};
-  const Box real_panel{{-1.5, -1.5, 1}, {1.5, 1.5, 1.05}, 0};
-  WorldOptions options;
-  options.depth = kinect();
-  auto world = make_world({handle, real_panel}, Pose::Identity(), options);
-  Submesh both = snap_to_lattice(boxes::tessellate(handle));
-  const auto first = static_cast<std::uint32_t>(both.positions.size());
-  // The panel around the handle's foot, whose corners it shares.
-  panel.positions.insert(panel.positions.end(),
-                         {{-0.05F, -0.05F, 1}, {0.05F, -0.05F, 1}, {0.05F, 0.05F, 1}, {-0.05F, 0.05F, 1}});
-  panel = snap_to_lattice(panel);
-  panel.triangles = {{0, 4, 1}, {1, 4, 5}, {1, 5, 2}, {2, 5, 6}, {2, 6, 3}, {3, 6, 7}, {3, 7, 0}, {0, 7, 4}};
-  both.positions.insert(both.positions.end(), panel.positions.begin(), panel.positions.end());
-  for (const auto& [a, b, c] : panel.triangles) both.triangles.push_back({a + first, b + first, c + first});
-  world->model.nodes[0] = make_node(1, "door", both);
-  const auto proposals = propose(world->snapshot(), 10, {});
-  ASSERT_EQ(proposals.size(), 1U);
-  const Submesh left = wall_after(*world, proposals);
-  std::size_t large = 0;
-  for (const auto& [a, b, c] : left.triangles) {
-    large +=
-        (left.positions[a] - left.positions[b]).norm() + (left.positions[b] - left.positions[c]).norm() > 1 ? 1 : 0;
+  // Small triangles in the middle, which are gone, and eight large ones around, which they touch at four corners.
+  constexpr std::uint32_t kCells = 40;
+  constexpr auto kHalf = static_cast<float>(kOpening_m / 2);
+  Submesh wall = sheet(0.35F, 1);
+  wall.colors.clear();
+  for (std::uint32_t y = 0; y <= kCells; ++y) {
+    for (std::uint32_t x = 0; x <= kCells; ++x) {
+      const auto at = [](std::uint32_t i) { return kHalf * (2 * static_cast<float>(i) / kCells - 1); };
+      wall.positions.emplace_back(at(x), at(y), 1);
+    }
   }
-  EXPECT_EQ(large, 8U);
+  const auto inner = [](std::uint32_t x, std::uint32_t y) { return 4 + y * (kCells + 1) + x; };
+  const std::array<std::uint32_t, 4> foot{inner(0, 0), inner(kCells, 0), inner(kCells, kCells), inner(0, kCells)};
+  wall.triangles.clear();
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    wall.triangles.push_back({k, foot[k], (k + 1) % 4});
+    wall.triangles.push_back({(k + 1) % 4, foot[k], foot[(k + 1) % 4]});
+  }
+  for (std::uint32_t y = 0; y < kCells; ++y) {
+    for (std::uint32_t x = 0; x < kCells; ++x) {
+      wall.triangles.push_back({inner(x, y), inner(x, y + 1), inner(x + 1, y)});
+      wall.triangles.push_back({inner(x + 1, y), inner(x, y + 1), inner(x + 1, y + 1)});
+    }
+  }
+  const auto world = world_with_opening(Pose::Identity(), 0, wall);
+  const Submesh left = wall_after(*world, {removal_of(*world)});
+  EXPECT_NEAR(removed_from(wall, left), 1, 0.03);
 }
 
 TEST(Cut, ColorsAreThoseOfTheTriangle) {
