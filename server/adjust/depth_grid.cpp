@@ -52,7 +52,7 @@ void mark_rim(DepthGrid& grid, const Comparison& comparison, const DepthImage& m
       if (label != Label::agrees && label != Label::undecided) continue;
       const float z = label == Label::agrees ? comparison.expected(u, v) : measured(u, v);
       if (!is_depth(z)) continue;
-      grid.role[i] = Role::rim;
+      grid.role[i] = label == Label::agrees ? Role::model_rim : Role::rim;
       grid.z[i] = z;
     }
   }

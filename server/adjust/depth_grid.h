@@ -29,8 +29,8 @@ struct Window {
 /// The pixels of a region and one more to each side; empty when the region has none.
 [[nodiscard]] Window window_of(const Image<RegionId>& ids, RegionId region);
 
-/// What a pixel is to a patch.
-enum class Role : std::uint8_t { outside, rim, member };
+/// What a pixel is to a patch: a part of it, or beside it, at its measured or at the model's depth.
+enum class Role : std::uint8_t { outside, rim, model_rim, member };
 
 /// Depths of a window, with their role in a patch.
 struct DepthGrid {

@@ -158,9 +158,16 @@ Submesh make_patch(const Snapshot& snapshot, RegionId region, const AdjustOption
   const Vertices vertices = number_vertices(triangles, grid.z.size());
   const auto points = back_project(grid, rig.depth, vertices);
   patch.colors = color_vertices(grid, vertices, points, colors);
-  const Eigen::Isometry3f T_world_depth = snapshot.depth_pose.T_camera_world.inverse().cast<float>();
+  // The model's own depth belongs to the pose that it was drawn with.
+  const Pose& T_depth_world = snapshot.depth_pose.T_camera_world;
+  const Eigen::Isometry3f T_world_model = T_depth_world.inverse().cast<float>();
+  const Eigen::Isometry3f T_world_depth =
+      snapshot.refined_T_camera_world.value_or(T_depth_world).inverse().cast<float>();
   patch.positions.reserve(points.size());
-  for (const auto& p : points) patch.positions.push_back(T_world_depth * p);
+  for (std::size_t n = 0; n < points.size(); ++n) {
+    const bool is_model = grid.role[vertices.pixels[n]] == Role::model_rim;
+    patch.positions.push_back((is_model ? T_world_model : T_world_depth) * points[n]);
+  }
   for (auto& triangle : triangles) {
     for (auto& i : triangle) i = vertices.number_of_pixel[i];
   }

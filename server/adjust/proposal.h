@@ -21,8 +21,10 @@ struct Snapshot {
   const Model* model = nullptr;
   const RgbdFrame* frame = nullptr;
   const Rig* rig = nullptr;
-  /// T_depth_world.
+  /// T_depth_world, as the comparison was made with.
   TrackedPose depth_pose;
+  /// Where new surface is placed, when something better is known (refine_pose): T_depth_world.
+  std::optional<Pose> refined_T_camera_world;
   const Comparison* comparison = nullptr;
   const RegionMap* regions = nullptr;
 };

@@ -78,8 +78,9 @@ Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const Rig& rig,
   auto examination = examiner.examine(tracked, *store.model());
   if (!examination) return fail(fmt::format("frame {}", tracked.frame.index), examination.error());
   const Stopwatch watch;
-  const auto proposals = propose_changes(tracked, *examination, rig, store);
+  const auto [proposals, registration] = propose_changes(tracked, *examination, rig, store);
   result["time_ms"] = {{"snapshot", watch.milliseconds()}};
+  result["registration"] = registration_json(registration, tracked.depth_pose);
   for (const auto& proposal : proposals) result["proposals"].push_back(proposal_json(proposal));
   const auto accepted = chosen(run, proposals);
   if (!run.accept_all && accepted.size() != run.accepted_ids.size()) {

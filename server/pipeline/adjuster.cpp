@@ -37,16 +37,21 @@ std::optional<std::string> reason_to_wait(const TrackedFrame& tracked, const std
   return std::nullopt;
 }
 
-std::vector<Proposal> propose_changes(const TrackedFrame& tracked, const Examination& examination, const Rig& rig,
-                                      const SceneStore& store) {
+ProposedChanges propose_changes(const TrackedFrame& tracked, const Examination& examination, const Rig& rig,
+                                const SceneStore& store) {
   const auto model = store.model();
-  const Snapshot snapshot{.model = model.get(),
-                          .frame = &tracked.frame,
-                          .rig = &rig,
-                          .depth_pose = tracked.depth_pose,
-                          .comparison = &examination.comparison,
-                          .regions = &examination.regions};
-  return propose(snapshot, store.next_node_id(), {});
+  Snapshot snapshot{.model = model.get(),
+                    .frame = &tracked.frame,
+                    .rig = &rig,
+                    .depth_pose = tracked.depth_pose,
+                    .refined_T_camera_world = std::nullopt,
+                    .comparison = &examination.comparison,
+                    .regions = &examination.regions};
+  ProposedChanges changes;
+  changes.registration = refine_pose(snapshot);
+  snapshot.refined_T_camera_world = changes.registration.T_camera_world;
+  changes.proposals = propose(snapshot, store.next_node_id(), {});
+  return changes;
 }
 
 Result<Acceptance> accept_changes(SceneStore& store, const std::vector<Proposal>& accepted, const std::string& author,

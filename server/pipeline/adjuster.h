@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/adjust/proposal.h"
+#include "server/adjust/registration.h"
 #include "server/pipeline/examiner.h"
 #include "server/store/scene_store.h"
 
@@ -17,9 +18,13 @@ struct Acceptance {
   double commit_ms = 0;
 };
 
-/// Proposals for one examined frame.
-[[nodiscard]] std::vector<Proposal> propose_changes(const TrackedFrame& tracked, const Examination& examination,
-                                                    const Rig& rig, const SceneStore& store);
+/// What one examined frame proposes, and how its pose was made better for new surface.
+struct ProposedChanges {
+  std::vector<Proposal> proposals;
+  Registration registration;
+};
+[[nodiscard]] ProposedChanges propose_changes(const TrackedFrame& tracked, const Examination& examination,
+                                              const Rig& rig, const SceneStore& store);
 
 /// Commits the proposals as one revision, without waiting for the disk (SceneStore::sync does): whoever waits for the
 /// change shall not wait for that. `picture` goes into the journal.

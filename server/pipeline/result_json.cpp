@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "server/compare/compare_input.h"
@@ -69,6 +70,18 @@ nlohmann::json times_json(const Examination& examination) {
   const auto& times = examination.times;
   return {{"upload", times.upload_ms},         {"render", times.render_ms},     {"compare", times.compare_ms},
           {"regions", examination.regions_ms}, {"readback", times.readback_ms}, {"total", examination.total_ms}};
+}
+
+nlohmann::json registration_json(const Registration& registration, const TrackedPose& pose) {
+  const Twist correction = log(registration.T_camera_world * pose.T_camera_world.inverse());
+  const nlohmann::json refused = registration.refused ? nlohmann::json(*registration.refused) : nlohmann::json(nullptr);
+  return {{"refused", refused},
+          {"correction_m", correction.head<3>().norm()},
+          {"correction_degrees", correction.tail<3>().norm() * 180 / std::numbers::pi},
+          {"distance_m", {{"before", registration.before_m}, {"after", registration.after_m}}},
+          {"agreeing_points", registration.points},
+          {"points", registration.looked_at},
+          {"held_directions", registration.held_directions}};
 }
 
 nlohmann::json revision_json(const RevisionInfo& info) {

@@ -5,6 +5,7 @@
 
 #include "common/change/region.h"
 #include "common/program/json_output.h"
+#include "server/adjust/registration.h"
 #include "server/pipeline/examiner.h"
 #include "server/store/scene_store.h"
 
@@ -19,6 +20,8 @@ namespace meshloop {
 /// Why a frame has no smallest change, with what to do.
 [[nodiscard]] std::string why_nothing_can_be_told(const Examination& examination);
 [[nodiscard]] nlohmann::json times_json(const Examination& examination);
+/// How a snapshot's pose was made better.
+[[nodiscard]] nlohmann::json registration_json(const Registration& registration, const TrackedPose& pose);
 [[nodiscard]] nlohmann::json revision_json(const RevisionInfo& info);
 
 }  // namespace meshloop

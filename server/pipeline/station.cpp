@@ -151,8 +151,9 @@ nlohmann::json Station::confirmed_json(const TrackedFrame& tracked, const Examin
 
 Result<std::optional<Station::Change>> Station::change(const TrackedFrame& tracked, Examination examination) {
   const Stopwatch snapshot_watch;
-  const auto proposals = propose_changes(tracked, examination, parts_->rig, *parts_->store);
+  auto [proposals, registration] = propose_changes(tracked, examination, parts_->rig, *parts_->store);
   Change change;
+  change.registration = registration_json(registration, tracked.depth_pose);
   change.snapshot_ms = snapshot_watch.milliseconds();
   if (proposals.empty()) return std::nullopt;
   const auto title = fmt::format("frame {}, before revision {}, {}", tracked.frame.index,
@@ -219,6 +220,7 @@ void Station::tell_revision(const TrackedFrame& tracked, const Change& change, d
         {"raw_bytes", change.published.raw_bytes},
         {"devices", parts_->publisher.readers()},
         {"summary", info.summary},
+        {"registration", change.registration},
         {"time_ms",
          {{"snapshot", change.snapshot_ms},
           {"commit", change.acceptance.commit_ms},

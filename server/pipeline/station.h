@@ -56,6 +56,7 @@ class Station {
     /// What it was made from, and its picture.
     Examination examination;
     ColorImage picture;
+    nlohmann::json registration;
     double snapshot_ms = 0;
   };
   /// Everything that a frame says: one revision or two, published, brought to the disk and told.

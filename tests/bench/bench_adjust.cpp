@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "server/adjust/proposal.h"
+#include "server/adjust/registration.h"
 
 namespace meshloop {
 namespace {
@@ -44,8 +45,14 @@ struct NewWall {
   }
 
   [[nodiscard]] Snapshot snapshot() const {
-    Snapshot s{&model, &frame, &rig, {}, &comparison, &regions};
+    Snapshot s;
+    s.model = &model;
+    s.frame = &frame;
+    s.rig = &rig;
     s.depth_pose.state = TrackState::tracking;
+    s.depth_pose.covariance = 1e-4 * PoseCovariance::Identity();
+    s.comparison = &comparison;
+    s.regions = &regions;
     return s;
   }
 };
@@ -58,6 +65,18 @@ void insert_patch(benchmark::State& state) {
   state.counters["triangles"] = static_cast<double>(triangles);
 }
 BENCHMARK(insert_patch)->Args({176, 144})->Args({320, 240})->Args({640, 480})->Unit(benchmark::kMillisecond);
+
+/// A wavy wall that is expected 5 mm from where it is measured.
+void refine_pose_of_a_frame(benchmark::State& state) {
+  NewWall wall{640, 480};
+  wall.comparison.expected = wall.frame.depth;
+  wall.comparison.node_index = Image<std::uint32_t>{640, 480, 1};
+  for (float& z : wall.frame.depth.pixels()) z += 0.005f;
+  Registration found;
+  for (auto _ : state) found = refine_pose(wall.snapshot());
+  state.counters["left_mm"] = 1000 * found.after_m;
+}
+BENCHMARK(refine_pose_of_a_frame)->Unit(benchmark::kMillisecond);
 
 void propose_whole_frame(benchmark::State& state) {
   const NewWall wall{640, 480};
