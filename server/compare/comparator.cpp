@@ -11,6 +11,7 @@
 
 #include "common/base/clock.h"
 #include "common/gpu/gl_objects.h"
+#include "common/gpu/image_upload.h"
 #include "common/gpu/mesh_cache.h"
 #include "common/gpu/scene_renderer.h"
 #include "server/compare/compare_input.h"
@@ -72,14 +73,6 @@ Status check_images() {
   if (offers(GL_MAX_FRAGMENT_IMAGE_UNIFORMS, 3) && offers(GL_MAX_COMBINED_SHADER_OUTPUT_RESOURCES, 5)) return {};
   return fail("the graphics driver offers too few images in fragment shaders; update it, or set MESHLOOP_GPU=software",
               ErrorKind::hardware_missing);
-}
-
-void fill(const Texture& texture, const Image<float>& image) {
-  glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_2D, texture.name());
-  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, image.width(), image.height(), GL_RED, GL_FLOAT, image.data());
 }
 
 void bind_image(GLuint unit, GLuint texture) {
@@ -150,6 +143,7 @@ class GlComparator final : public Comparator {
   std::unique_ptr<SceneRenderer> renderer_;
   Programs programs_;
   Targets targets_;
+  ImageUpload upload_{UploadPath::by_driver};
   VertexArray no_vertices_;
   /// Kept from frame to frame: memory that is new to the process costs more than the copy into it.
   DepthImage measured_;
@@ -159,11 +153,11 @@ void GlComparator::upload(const DepthImage& measured, const Image<std::uint8_t>*
   if (measured.width() != targets_.width || measured.height() != targets_.height) {
     targets_ = Targets(measured.width(), measured.height());
   }
-  fill(targets_.measured, measured);
+  upload_.fill(targets_.measured, measured);
   if (frames_averaged == nullptr) return;
   Image<float> frames(frames_averaged->width(), frames_averaged->height());
   std::copy_n(frames_averaged->data(), frames.size(), frames.data());
-  fill(targets_.frames_averaged, frames);
+  upload_.fill(targets_.frames_averaged, frames);
 }
 
 // The renderer, which has just drawn, left blending, culling and scissors off and the depth test on. Both passes cover
