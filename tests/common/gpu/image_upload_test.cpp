@@ -16,6 +16,10 @@ Image<float> numbered(int width, int height, float first) {
   return image;
 }
 
+std::vector<float> values_of(const Image<float>& image) {
+  return {image.pixels().begin(), image.pixels().end()};
+}
+
 std::vector<float> content_of(const Texture& texture, int width, int height) {
   const Framebuffer framebuffer;
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
@@ -47,12 +51,8 @@ TEST_P(ImageUploadTest, BringsEachImageWholeAlsoWhenSizesChange) {
       upload.fill(first, numbered(width, height, static_cast<float>(i)));
       upload.fill(second, numbered(width, height, static_cast<float>(100 + i)));
     }
-    const auto expected = [&](float from) {
-      const auto image = numbered(width, height, from);
-      return std::vector<float>(image.pixels().begin(), image.pixels().end());
-    };
-    EXPECT_EQ(content_of(first, width, height), expected(4));
-    EXPECT_EQ(content_of(second, width, height), expected(104));
+    EXPECT_EQ(content_of(first, width, height), values_of(numbered(width, height, 4)));
+    EXPECT_EQ(content_of(second, width, height), values_of(numbered(width, height, 104)));
     EXPECT_EQ(glGetError(), GLenum{GL_NO_ERROR});
   }
 }
