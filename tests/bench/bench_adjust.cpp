@@ -110,6 +110,32 @@ void remove_sheet(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(propose(wall.snapshot(), 2, {}).size());
   state.counters["triangles"] = static_cast<double>(wall.model.triangle_count());
 }
+// An opening of 320 x 240 pixels in a wall of two triangles at 1 m.
+void cut_opening(benchmark::State& state) {
+  NewWall wall{640, 480};
+  Submesh sheet;
+  sheet.positions = {{-2, -2, 1}, {2, -2, 1}, {2, 2, 1}, {-2, 2, 1}};
+  sheet.triangles = {{0, 2, 1}, {0, 3, 2}};
+  wall.model.nodes.push_back(make_node(1, "wall", std::move(sheet)));
+  wall.frame.depth = DepthImage{640, 480, 1.0f};
+  wall.comparison.labels = Image<Label>{640, 480, Label::agrees};
+  wall.comparison.expected = DepthImage{640, 480, 1.0f};
+  wall.comparison.node_index = Image<std::uint32_t>{640, 480, 1};
+  wall.regions.ids = Image<RegionId>{640, 480};
+  wall.regions.regions[0].kind = ChangeKind::removal;
+  for (int y = 120; y < 360; ++y) {
+    for (int x = 160; x < 480; ++x) {
+      wall.frame.depth(x, y) = 3;
+      wall.comparison.labels(x, y) = Label::farther;
+      wall.regions.ids(x, y) = 1;
+    }
+  }
+  std::size_t triangles = 0;
+  for (auto _ : state) triangles = propose(wall.snapshot(), 2, {}).at(0).triangles_added;
+  state.counters["triangles"] = static_cast<double>(triangles);
+}
+BENCHMARK(cut_opening)->Unit(benchmark::kMillisecond);
+
 BENCHMARK(remove_sheet)->Arg(100)->Arg(700)->Unit(benchmark::kMillisecond);
 
 }  // namespace
