@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <tuple>
 #include <utility>
 
+#include "common/base/connected.h"
 #include "common/detail/working_cluster.h"
 
 namespace meshloop {
@@ -36,28 +36,6 @@ std::vector<Side> sides_of(std::span<const Triangle> triangles) {
   std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.edge() < b.edge(); });
   return sides;
 }
-
-/// Triangles that hang together, by the first of them.
-class Connected {
- public:
-  explicit Connected(std::size_t triangles) : parent_(triangles) { std::iota(parent_.begin(), parent_.end(), 0U); }
-
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = first_of(a);
-    b = first_of(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-  std::uint32_t first_of(std::uint32_t triangle) {
-    while (parent_[triangle] != triangle) {
-      parent_[triangle] = parent_[parent_[triangle]];
-      triangle = parent_[triangle];
-    }
-    return triangle;
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 /// By triangle: the number of its part, or kNone where the part has a border.
 struct Parts {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "common/base/connected.h"
+
 namespace meshloop::adjust {
 namespace {
 
@@ -97,11 +99,6 @@ bool joined(const Corner& a, const Corner& b, float step, float sigmas) {
   if (a.z <= 0 || b.z <= 0) return false;
   const Corner& nearer = a.z < b.z ? a : b;
   return std::abs(a.z - b.z) <= nearer.z * step + sigmas * nearer.sigma;
-}
-
-std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
 }
 
 }  // namespace
@@ -232,16 +229,14 @@ std::vector<Triangle> triangulate(const DepthGrid& grid, const Camera& camera, d
 }
 
 void drop_small_pieces(std::vector<Triangle>& triangles, std::size_t vertex_count, std::size_t smallest) {
-  std::vector<std::uint32_t> parent(vertex_count);
-  for (std::size_t i = 0; i < vertex_count; ++i) parent[i] = static_cast<std::uint32_t>(i);
+  Connected connected{vertex_count};
   for (const auto& [a, b, c] : triangles) {
-    const std::uint32_t root = root_of(parent, a);
-    parent[root_of(parent, b)] = root;
-    parent[root_of(parent, c)] = root;
+    connected.join(a, b);
+    connected.join(b, c);
   }
   std::vector<std::uint32_t> count(vertex_count, 0);
-  for (const auto& t : triangles) ++count[root_of(parent, t[0])];
-  std::erase_if(triangles, [&](const Triangle& t) { return count[root_of(parent, t[0])] < smallest; });
+  for (const auto& t : triangles) ++count[connected.first_of(t[0])];
+  std::erase_if(triangles, [&](const Triangle& t) { return count[connected.first_of(t[0])] < smallest; });
 }
 
 }  // namespace meshloop::adjust
