@@ -16,14 +16,6 @@ bool same_bits(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
          std::signbit(a.z()) == std::signbit(b.z());
 }
 
-// In double precision the products of lattice coordinates are exact, so a thin triangle is not taken for an empty one.
-bool has_area(const Submesh& submesh, const Triangle& triangle) {
-  const Eigen::Vector3d p = submesh.positions[triangle[0]].cast<double>();
-  const Eigen::Vector3d q = submesh.positions[triangle[1]].cast<double>();
-  const Eigen::Vector3d r = submesh.positions[triangle[2]].cast<double>();
-  return !(q - p).cross(r - p).isZero(0);
-}
-
 bool is_on_lattice_of(const Submesh& submesh, int coarsening) {
   const float spacing_m = kLatticeSpacing_m * static_cast<float>(coarsening);
   return std::all_of(submesh.positions.begin(), submesh.positions.end(),

@@ -65,6 +65,14 @@ Hash content_hash(const Submesh& submesh) {
   return hash_of(bytes);
 }
 
+// In double precision the products of lattice coordinates are exact, so a thin triangle is not taken for an empty one.
+bool has_area(const Submesh& submesh, const Triangle& triangle) {
+  const Eigen::Vector3d p = submesh.positions[triangle[0]].cast<double>();
+  const Eigen::Vector3d q = submesh.positions[triangle[1]].cast<double>();
+  const Eigen::Vector3d r = submesh.positions[triangle[2]].cast<double>();
+  return !(q - p).cross(r - p).isZero(0);
+}
+
 Submesh keep_triangles(const Submesh& submesh, const std::vector<bool>& keep) {
   constexpr auto kUnused = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> new_index(submesh.positions.size(), kUnused);

@@ -39,6 +39,9 @@ inline constexpr std::size_t kMaxTriangles = 32'000'000;
 /// Hash over positions, colours and triangles.
 [[nodiscard]] Hash content_hash(const Submesh& submesh);
 
+/// Not all three corners lie on one line.
+[[nodiscard]] bool has_area(const Submesh& submesh, const Triangle& triangle);
+
 /// The submesh with only the triangles for which keep[t] is true; vertices that nothing uses are dropped, the others
 /// keep their order and their exact bits.
 [[nodiscard]] Submesh keep_triangles(const Submesh& submesh, const std::vector<bool>& keep);

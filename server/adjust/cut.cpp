@@ -112,7 +112,7 @@ class Cutter {
       }
     }
     // Vertices that fell together leave triangles without area.
-    std::erase_if(filling, [&](const Triangle& triangle) { return !has_area(triangle); });
+    std::erase_if(filling, [&](const Triangle& triangle) { return !has_area(result_.submesh, triangle); });
     result_.added = filling.size();
     auto& triangles = result_.submesh.triangles;
     triangles.insert(triangles.end(), filling.begin(), filling.end());
@@ -132,13 +132,8 @@ class Cutter {
     const Triangle& triangle = submesh_.triangles[t];
     return std::minmax(places_[triangle[side]], places_[triangle[(side + 1) % 3]]);
   }
-  [[nodiscard]] bool has_area(const Triangle& triangle) const {
-    const Eigen::Vector3d a = position(triangle[0]);
-    return (position(triangle[1]) - a).cross(position(triangle[2]) - a).squaredNorm() > 0;
-  }
-
   void cut_triangle(std::uint32_t t, const std::vector<PlaneLine>& lines) {
-    if (!has_area(submesh_.triangles[t])) return;
+    if (!has_area(submesh_, submesh_.triangles[t])) return;
     const auto corners = corners_of(t);
     const TrianglePlane plane{corners};
     ClipperLib::Path outline;
@@ -232,7 +227,7 @@ class Cutter {
 
   [[nodiscard]] Rgb8 color_at(std::uint32_t t, const Eigen::Vector3d& p) const {
     const Triangle& triangle = submesh_.triangles[t];
-    const std::array<Eigen::Vector3d, 3> q{position(triangle[0]), position(triangle[1]), position(triangle[2])};
+    const auto q = corners_of(t);
     const Eigen::Vector3d normal = (q[1] - q[0]).cross(q[2] - q[0]);
     std::array<double, 3> shares{};
     for (std::size_t k = 0; k < 3; ++k) {

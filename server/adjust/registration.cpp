@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -33,11 +34,7 @@ constexpr double kLeastShare = 0.2;
 /// The points must come nearer by this share.
 constexpr double kBetter = 0.01;
 
-/// n . p = d.
-struct Plane {
-  Eigen::Vector3d normal;
-  double d = 0;
-};
+using Plane = Eigen::Hyperplane<double, 3>;
 
 /// The model as the snapshot's pose expects it, in that camera's frame: a plane for each pixel, made when it is asked
 /// for.
@@ -53,11 +50,10 @@ class ExpectedPlanes {
   /// At the pixel that shows the point; null where the picture shows no plane.
   [[nodiscard]] const Plane* at(const Eigen::Vector3d& p) {
     if (!(p.z() > 0.01)) return nullptr;
-    const double u = camera_.fx * p.x() / p.z() + camera_.cx;
-    const double v = camera_.fy * p.y() / p.z() + camera_.cy;
-    if (!(u >= 1 && v >= 1 && u <= camera_.width - 2 && v <= camera_.height - 2)) return nullptr;
-    const int x = static_cast<int>(u + 0.5);
-    const int y = static_cast<int>(v + 0.5);
+    const Eigen::Vector2d pixel = camera_.project(p);
+    if (!camera_.contains(pixel, 1)) return nullptr;
+    const int x = static_cast<int>(pixel.x() + 0.5);
+    const int y = static_cast<int>(pixel.y() + 0.5);
     const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) + static_cast<std::size_t>(x);
     if (states_[i] == State::unknown) states_[i] = make(x, y, planes_[i]) ? State::plane : State::none;
     return states_[i] == State::plane ? &planes_[i] : nullptr;
@@ -70,8 +66,7 @@ class ExpectedPlanes {
     if (!is_straight(x, y, 1, 0) || !is_straight(x, y, 0, 1)) return false;
     const Eigen::Vector3d across = point(x + 1, y) - point(x - 1, y);
     const Eigen::Vector3d down = point(x, y + 1) - point(x, y - 1);
-    plane.normal = across.cross(down).normalized();
-    plane.d = plane.normal.dot(point(x, y));
+    plane = Plane{across.cross(down).normalized(), point(x, y)};
     return true;
   }
   [[nodiscard]] Eigen::Vector3d point(int x, int y) const {
@@ -133,13 +128,13 @@ Fit fit(ExpectedPlanes& planes, const std::vector<Measured>& points, const Pose&
     if (plane == nullptr) continue;
     ++result.looked_at;
     const double cut = std::max(kCut_sigmas * sigma_m, cut_m);
-    const double distance = plane->normal.dot(moved) - plane->d;
+    const double distance = plane->signedDistance(moved);
     const double share = std::min(1.0, distance * distance / (cut * cut));
     result.cost += 1 - (1 - share) * (1 - share) * (1 - share);
     if (share >= 1) continue;
     const double weight = (1 - share) * (1 - share) / (sigma_m * sigma_m);
     Twist along;
-    along << plane->normal, moved.cross(plane->normal);
+    along << plane->normal(), moved.cross(plane->normal());
     result.information += weight * along * along.transpose();
     result.pull -= weight * distance * along;
     result.weight += weight;

@@ -73,7 +73,8 @@ nlohmann::json times_json(const Examination& examination) {
 }
 
 nlohmann::json registration_json(const Registration& registration, const TrackedPose& pose) {
-  const Twist correction = log(registration.T_camera_world * pose.T_camera_world.inverse());
+  Twist correction = Twist::Zero();
+  if (!registration.refused) correction = log(registration.T_camera_world * pose.T_camera_world.inverse());
   const nlohmann::json refused = registration.refused ? nlohmann::json(*registration.refused) : nlohmann::json(nullptr);
   return {{"refused", refused},
           {"correction_m", correction.head<3>().norm()},
