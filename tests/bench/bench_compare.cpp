@@ -8,6 +8,7 @@
 
 #include "common/gpu/mesh_cache.h"
 #include "common/gpu/scene_renderer.h"
+#include "kinect_camera.h"
 #include "server/compare/comparator.h"
 #include "server/compare/region_tracker.h"
 
@@ -44,26 +45,16 @@ Model wavy_model(std::int64_t triangles) {
   return model;
 }
 
-Camera kinect() {
-  Camera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = camera.fy = 585;
-  camera.cx = 319.5;
-  camera.cy = 239.5;
-  return camera;
-}
-
 // What the sensor sees: the model a little closer in a quarter of the picture, where a change is.
 struct Frame {
   explicit Frame(std::int64_t triangles) : model{wavy_model(triangles)} {
     Image<std::uint32_t> nodes;
-    render_on_cpu(model, kinect(), Pose::Identity(), measured, nodes);
+    render_on_cpu(model, test::kinect_camera(), Pose::Identity(), measured, nodes);
     for (int v = 0; v < 240; ++v) {
       for (int u = 0; u < 320; ++u) measured(u, v) -= 0.2F;
     }
     input.model = &model;
-    input.camera = kinect();
+    input.camera = test::kinect_camera();
     input.pose.state = TrackState::tracking;
     input.pose.covariance = 1e-6 * PoseCovariance::Identity();
     input.measured = &measured;
@@ -83,7 +74,7 @@ void render_on_gpu(benchmark::State& state) {
   if (!renderer) return state.SkipWithError(renderer.error().message.c_str());
   const Model model = wavy_model(state.range(0));
   SceneView view;
-  view.camera = kinect();
+  view.camera = test::kinect_camera();
   view.nodes = view.color = state.range(1) < 2;
   if (state.range(1) != 0) {
     const SensorModel sensor;

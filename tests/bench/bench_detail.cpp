@@ -13,6 +13,7 @@
 #include "common/gpu/mesh_cache.h"
 #include "common/gpu/projection.h"
 #include "common/gpu/scene_renderer.h"
+#include "kinect_camera.h"
 #include "scenes.h"
 #include "server/compare/comparator.h"
 
@@ -90,7 +91,7 @@ void quality(benchmark::State& state, Model (*scene)(std::int64_t)) {
   const auto comparator = std::move(Comparator::create(*gpu).value());
   const SensorModel sensor;
   SceneView view;
-  view.camera = bench::kinect(640, 480);
+  view.camera = test::kinect_camera(640, 480);
   const DepthImage exact = depth(*gpu, *renderer, model, view);
   view.tolerance = Tolerance{[&](double z_m) { return kDetailShare * sensor.sigma_z_m(z_m, 0); }};
   for (auto _ : state) {

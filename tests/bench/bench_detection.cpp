@@ -14,6 +14,7 @@
 
 #include "common/gpu/mesh_cache.h"
 #include "common/gpu/scene_renderer.h"
+#include "kinect_camera.h"
 #include "scenes.h"
 #include "server/compare/background_comparator.h"
 #include "server/compare/region_tracker.h"
@@ -24,7 +25,7 @@
 namespace meshloop {
 namespace {
 
-using bench::kinect;
+using test::kinect_camera;
 
 struct Scene {
   std::string name;
@@ -97,7 +98,7 @@ CompareInput input_of(const DepthImage& measured, const Camera& camera) {
 /// One frame's regions are found while the next one is compared, as in the station.
 void on_gpu(benchmark::State& state, const Scene& scene, int width, int height, double detail_share) {
   world().show(scene);
-  const Camera camera = kinect(width, height);
+  const Camera camera = kinect_camera(width, height);
   const DepthImage measured = measured_by(camera);
   CompareInput input = input_of(measured, camera);
   input.detail_share = detail_share;
@@ -116,7 +117,7 @@ void on_gpu(benchmark::State& state, const Scene& scene, int width, int height, 
 /// The reference of the tests: one thread, double precision, every triangle.
 void on_cpu(benchmark::State& state, const Scene& scene, int width, int height) {
   world().show(scene);
-  const Camera camera = kinect(width, height);
+  const Camera camera = kinect_camera(width, height);
   const DepthImage measured = measured_by(camera);
   const CompareInput input = input_of(measured, camera);
   RegionTracker regions{RegionOptions{}};
@@ -150,7 +151,7 @@ void with_embree(benchmark::State& state, const Scene& scene, int width, int hei
   world().show(scene);
   const unsigned threads = std::thread::hardware_concurrency();
   if (!world().embree) world().embree = std::make_unique<bench::EmbreeScene>(world().model, threads);
-  const Camera camera = kinect(width, height);
+  const Camera camera = kinect_camera(width, height);
   const DepthImage measured = measured_by(camera);
   DepthImage depth(width, height);
   Image<std::uint32_t> nodes(width, height);

@@ -15,6 +15,7 @@
 #include "common/base/clock.h"
 #include "common/gpu/mesh_cache.h"
 #include "common/interchange/model_file.h"
+#include "kinect_camera.h"
 #include "scenes.h"
 #include "server/compare/comparator.h"
 #ifdef MESHLOOP_EMBREE
@@ -60,7 +61,7 @@ void forget_peak() {
 
 void first_frame(benchmark::State& state) {
   const ModelFile file{state.range(0)};
-  const Camera camera = bench::kinect(kWidth, kHeight);
+  const Camera camera = test::kinect_camera(kWidth, kHeight);
   const DepthImage measured(kWidth, kHeight, 1.0F);
   for (auto _ : state) {
     forget_peak();

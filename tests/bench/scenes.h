@@ -15,17 +15,6 @@
 
 namespace meshloop::bench {
 
-/// A Kinect's view, at another number of pixels.
-inline Camera kinect(int width, int height) {
-  Camera camera;
-  camera.width = width;
-  camera.height = height;
-  camera.fx = camera.fy = 585.0 * width / 640;
-  camera.cx = (width - 1) / 2.0;
-  camera.cy = (height - 1) / 2.0;
-  return camera;
-}
-
 /// A grid of cells x cells squares over (s, t) in [0, 1], two triangles each.
 inline Submesh grid(int cells, const std::function<Eigen::Vector3f(float, float)>& at) {
   Submesh submesh;

@@ -7,21 +7,12 @@
 
 #include "common/gpu/mesh_cache.h"
 #include "common/gpu/scene_renderer.h"
+#include "kinect_camera.h"
 #include "server/compare/comparator.h"
 #include "server/compare/region_tracker.h"
 
 namespace meshloop {
 namespace {
-
-Camera kinect() {
-  Camera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = camera.fy = 585;
-  camera.cx = 319.5;
-  camera.cy = 239.5;
-  return camera;
-}
 
 /// Hills of half a metre and bumps of some millimetres, 1.4 to 2.6 m away, in four nodes of 64,800 triangles.
 Model landscape() {
@@ -58,7 +49,7 @@ class DetailTest : public testing::Test {
     comparator_ = std::move(Comparator::create(*gpu_).value());
     renderer_ = std::move(SceneRenderer::create(*gpu_).value());
     input_.model = &model_;
-    input_.camera = kinect();
+    input_.camera = test::kinect_camera();
     input_.pose.state = TrackState::tracking;
     input_.pose.covariance = 1e-8 * PoseCovariance::Identity();
     input_.wait_for_detail = true;
@@ -66,7 +57,7 @@ class DetailTest : public testing::Test {
 
   DepthImage depth(const Tolerance& tolerance) {
     SceneView view;
-    view.camera = kinect();
+    view.camera = test::kinect_camera();
     view.tolerance = tolerance;
     gpu_->meshes().finish(model_);
     renderer_->render(model_, view);
