@@ -20,14 +20,12 @@ cmake --preset asan >/dev/null
 cmake --build --preset asan -j "$jobs"
 # Leaks are looked for in our own code; what Mesa and DDS keep until the end of the process is left out.
 export LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0
+# clang 14 takes a thread's memory for that of a glibc before 2.25 where it happens to lie at a certain place in its
+# page, and its leak checker then dies.
+export ASAN_OPTIONS=intercept_tls_get_addr=0
 # What measures accuracy over many frames runs the same code as its neighbours, only longer.
 accuracy='SmallChange|NoDeviation|SimulatedNoise|NoiseThatSticks|IsNotPulledBy|IsPulledNoFarther|ThatHasNoColors|AnotherExposure|StaleModel|DemoData'
-ctest --preset asan -j "$jobs" -L 'unit|sanitize|fuzz' -E "$accuracy" --no-tests=error || {
-  # The leak checker itself now and then dies of a thread that ends while it looks: those tests run once more.
-  log=build/asan/Testing/Temporary/LastTest.log
-  [ "$(grep -c 'LeakSanitizer has encountered a fatal error' $log)" -eq "$(wc -l <build/asan/Testing/Temporary/LastTestsFailed.log)" ]
-  ctest --preset asan --rerun-failed
-}
+ctest --preset asan -j "$jobs" -L 'unit|sanitize|fuzz' -E "$accuracy" --no-tests=error
 
 say "thread sanitizer"
 cmake --preset tsan >/dev/null
