@@ -7,7 +7,7 @@ set(MESHLOOP_VENDOR_ROOMS
   "^dds/|^common/transport/"
   "^(EGL|GLES[23]*|KHR)/|^(common/gpu|device/draw)/"
   "^(spng|turbojpeg|tiffio)|^common/image/"
-  "^meshoptimizer|^common/detail/"
+  "^meshoptimizer|^(common/detail|server/adjust)/"
   "^(polyclipping/|clipper[.]hpp)|^server/adjust/"
   "^assimp/|^common/interchange/"
   "^expat|^common/interchange/"

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "common/base/connected.h"
+#include "server/adjust/depth_fusion.h"
 
 namespace meshloop::adjust {
 namespace {
@@ -60,6 +61,24 @@ void mark_rim(DepthGrid& grid, const Comparison& comparison, const DepthImage& m
   }
 }
 
+void set_noise(DepthGrid& grid, const Image<std::uint8_t>& measurements, const SensorModel& sensor) {
+  std::size_t members = 0;
+  double inverse_counts = 0;
+  const int w = grid.window.width();
+  for (std::size_t i = 0; i < grid.z.size(); ++i) {
+    if (grid.role[i] == Role::outside) continue;
+    const int x = static_cast<int>(i) % w + grid.window.x0;
+    const int y = static_cast<int>(i) / w + grid.window.y0;
+    const int count = measurements.empty() ? 1 : std::max<int>(measurements(x, y), 1);
+    grid.sigma[i] = FusedDepth::sigma_m(sensor, grid.z[i], count);
+    if (grid.role[i] != Role::member) continue;
+    ++members;
+    inverse_counts += 1.0 / count;
+  }
+  const double share = members == 0 ? 1 : inverse_counts / static_cast<double>(members);
+  grid.lateral_px = sensor.sigma_lateral_px(0) * std::sqrt(share);
+}
+
 constexpr int kRadius = 2;
 constexpr float kCut_sigmas = 5;
 
@@ -93,7 +112,14 @@ struct Steps {
 struct Corner {
   float z;
   float sigma;
+  std::uint16_t line;
 };
+
+/// They lie on one straight line; a corner, of which there is one among several lines, lies on each of them.
+bool on_one_line(const Corner& a, const Corner& b) {
+  constexpr std::uint16_t kCorner = 0xffff;
+  return a.line != 0 && b.line != 0 && (a.line == b.line || a.line == kCorner || b.line == kCorner);
+}
 
 bool joined(const Corner& a, const Corner& b, float step, float sigmas) {
   if (a.z <= 0 || b.z <= 0) return false;
@@ -121,8 +147,9 @@ Window window_of(const Image<RegionId>& ids, RegionId region) {
           std::min(box.y1 + 1, ids.height())};
 }
 
-DepthGrid select_patch(const Comparison& comparison, const DepthImage& measured, const Image<RegionId>& ids,
-                       RegionId region, const SensorModel& sensor) {
+DepthGrid select_patch(const Comparison& comparison, const DepthImage& measured,
+                       const Image<std::uint8_t>& measurements, const Image<RegionId>& ids, RegionId region,
+                       const SensorModel& sensor) {
   DepthGrid grid;
   grid.window = window_of(ids, region);
   const std::size_t size = grid.window.size();
@@ -131,9 +158,7 @@ DepthGrid select_patch(const Comparison& comparison, const DepthImage& measured,
   grid.role.assign(size, Role::outside);
   mark_members(grid, comparison, measured, ids, region);
   mark_rim(grid, comparison, measured);
-  for (std::size_t i = 0; i < size; ++i) {
-    if (grid.role[i] != Role::outside) grid.sigma[i] = static_cast<float>(sensor.sigma_z_m(grid.z[i], 0));
-  }
+  set_noise(grid, measurements, sensor);
   return grid;
 }
 
@@ -190,7 +215,10 @@ void triangulate_block(const std::array<Corner, 4>& c, const std::array<std::uin
   const int along_falling = both(falling, left && bottom, top && right);
   const int along_rising = both(rising, top && left, bottom && right);
   const bool flatter_falls = std::abs(c[0].z - c[3].z) <= std::abs(c[1].z - c[2].z);
-  if (along_falling > along_rising || (along_falling == along_rising && flatter_falls)) {
+  const bool line_falls = on_one_line(c[0], c[3]);
+  const bool line_rises = on_one_line(c[1], c[2]);
+  const bool better_falls = line_falls != line_rises ? line_falls : flatter_falls;
+  if (along_falling > along_rising || (along_falling == along_rising && better_falls)) {
     if (falling && left && bottom) triangles.push_back({index[0], index[2], index[3]});
     if (falling && top && right) triangles.push_back({index[0], index[3], index[1]});
   } else {
@@ -201,7 +229,8 @@ void triangulate_block(const std::array<Corner, 4>& c, const std::array<std::uin
 
 }  // namespace
 
-std::vector<Triangle> triangulate(const DepthGrid& grid, const Camera& camera, double discontinuity_sigmas) {
+std::vector<Triangle> triangulate(const DepthGrid& grid, const Camera& camera, double discontinuity_sigmas,
+                                  const std::vector<std::uint16_t>& lines) {
   const Steps steps{static_cast<float>(kSteepest / camera.fx), static_cast<float>(kSteepest / camera.fy),
                     static_cast<float>(kSteepest * std::hypot(1 / camera.fx, 1 / camera.fy)),
                     static_cast<float>(discontinuity_sigmas)};
@@ -215,14 +244,14 @@ std::vector<Triangle> triangulate(const DepthGrid& grid, const Camera& camera, d
       std::array<Corner, 4> corners;
       int corners_there = 0;
       for (std::size_t i = 0; i < 4; ++i) {
-        corners[i] = {grid.z[index[i]], grid.sigma[index[i]]};
+        corners[i] = {grid.z[index[i]], grid.sigma[index[i]], lines.empty() ? std::uint16_t{0} : lines[index[i]]};
         corners_there += corners[i].z > 0 ? 1 : 0;
       }
       if (corners_there >= 3) triangulate_block(corners, index, steps, all);
     }
   }
   const auto only_rim = [&](const Triangle& t) {
-    return std::none_of(t.begin(), t.end(), [&](std::uint32_t i) { return grid.role[i] == Role::member; });
+    return std::none_of(t.begin(), t.end(), [&](std::uint32_t i) { return is_part(grid.role[i]); });
   };
   all.erase(std::remove_if(all.begin(), all.end(), only_rim), all.end());
   return all;

@@ -29,8 +29,13 @@ struct Window {
 /// The pixels of a region and one more to each side; empty when the region has none.
 [[nodiscard]] Window window_of(const Image<RegionId>& ids, RegionId region);
 
-/// What a pixel is to a patch: a part of it, or beside it, at its measured or at the model's depth.
-enum class Role : std::uint8_t { outside, rim, model_rim, member };
+/// What a pixel is to a patch: a part of it, also where nothing was measured (gap), or beside it, at its measured or at
+/// the model's depth.
+enum class Role : std::uint8_t { outside, rim, model_rim, gap, member };
+
+[[nodiscard]] constexpr bool is_part(Role role) {
+  return role == Role::member || role == Role::gap;
+}
 
 /// Depths of a window, with their role in a patch.
 struct DepthGrid {
@@ -40,20 +45,25 @@ struct DepthGrid {
   /// Sensor noise in metres, frontal view; 0 where the role is outside.
   std::vector<float> sigma;
   std::vector<Role> role;
+  /// Standard deviation of where in the picture a depth was measured, in pixels.
+  double lateral_px = 0;
 };
 
 /// Members are the region's pixels that ask for an insertion; the rim is what agrees or is undecided right beside them.
+/// `measurements`: of how many each depth is the mean; empty: of one.
 [[nodiscard]] DepthGrid select_patch(const Comparison& comparison, const DepthImage& measured,
-                                     const Image<RegionId>& ids, RegionId region, const SensorModel& sensor);
+                                     const Image<std::uint8_t>& measurements, const Image<RegionId>& ids,
+                                     RegionId region, const SensorModel& sensor);
 
 /// One bilateral pass over the members: neighbours in a 5x5 window count less the farther away they are, and not at all
 /// beyond five sigma of depth. `measured` is the whole frame, so that a patch's border is smoothed like its middle.
 void smooth(DepthGrid& grid, const DepthImage& measured);
 
 /// Triangles between neighbouring pixels, with positions in the window as indices; counter-clockwise towards the
-/// camera. Left out: edges across depth discontinuities (see AdjustOptions), and triangles without a member.
+/// camera. Left out: edges across depth discontinuities (see AdjustOptions), and triangles without a member. `lines`
+/// (empty, or as long as the grid's vectors): pixels with the same number that is not 0 are joined where they touch.
 [[nodiscard]] std::vector<Triangle> triangulate(const DepthGrid& grid, const Camera& camera,
-                                                double discontinuity_sigmas);
+                                                double discontinuity_sigmas, const std::vector<std::uint16_t>& lines);
 
 /// Drops the triangles of connected patches (sharing a vertex) with fewer than `smallest` triangles.
 void drop_small_pieces(std::vector<Triangle>& triangles, std::size_t vertex_count, std::size_t smallest);

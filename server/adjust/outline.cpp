@@ -10,10 +10,8 @@
 namespace meshloop::adjust {
 namespace {
 
-/// More than the half pixel by which a border's steps lie off a straight line.
-constexpr double kStraight_px = 1;
-/// A corner that fitted lines put farther from the steps than this stays where the steps have it.
-constexpr double kCornerMoves_px = 1.5;
+/// A corner that fitted lines put farther from the steps than so many times what is straight stays where they have it.
+constexpr double kCornerMoves = 1.5;
 constexpr std::size_t kFittedSteps = 6;
 /// A line as ragged as noise is straightened further: what it is cut from takes the square of its corners.
 constexpr std::size_t kMostCorners = 300;
@@ -86,9 +84,9 @@ bool meet(const cv::Vec4f& a, const cv::Vec4f& b, Eigen::Vector2d& corner) {
   return true;
 }
 
-Loop straightened(const std::vector<cv::Point2f>& middles) {
+Loop straightened(const std::vector<cv::Point2f>& middles, double straight_px) {
   std::vector<cv::Point2f> corners;
-  for (double off_px = kStraight_px; corners.empty() || corners.size() > kMostCorners; off_px *= 1.5) {
+  for (double off_px = straight_px; corners.empty() || corners.size() > kMostCorners; off_px *= 1.5) {
     cv::approxPolyDP(middles, corners, off_px, true);
   }
   const std::size_t n = corners.size();
@@ -108,8 +106,8 @@ Loop straightened(const std::vector<cv::Point2f>& middles) {
     const auto& [has_after, after] = lines[i];
     const Eigen::Vector2d stepped{static_cast<double>(corners[i].x), static_cast<double>(corners[i].y)};
     Eigen::Vector2d corner = stepped;
-    const bool is_better =
-        has_before && has_after && meet(before, after, corner) && (corner - stepped).norm() <= kCornerMoves_px;
+    const bool is_better = has_before && has_after && meet(before, after, corner) &&
+                           (corner - stepped).norm() <= kCornerMoves * straight_px;
     loop.push_back(is_better ? corner : stepped);
   }
   return loop;
@@ -117,13 +115,13 @@ Loop straightened(const std::vector<cv::Point2f>& middles) {
 
 }  // namespace
 
-std::vector<Loop> outline_of(const Image<std::uint8_t>& mask, double smallest_px) {
+std::vector<Loop> outline_of(const Image<std::uint8_t>& mask, double smallest_px, double straight_px) {
   auto sides = sides_of(mask);
   std::vector<Loop> loops;
   while (!sides.empty()) {
     const auto middles = take_line(sides);
     if (middles.size() < 4 || std::abs(cv::contourArea(middles)) < smallest_px) continue;
-    Loop loop = straightened(middles);
+    Loop loop = straightened(middles, straight_px);
     if (loop.size() >= 3) loops.push_back(std::move(loop));
   }
   return loops;

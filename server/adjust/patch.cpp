@@ -8,7 +8,10 @@
 #include <utility>
 
 #include "common/mesh/lattice.h"
+#include "server/adjust/decimate.h"
 #include "server/adjust/depth_grid.h"
+#include "server/adjust/flat_parts.h"
+#include "server/adjust/straight_lines.h"
 
 namespace meshloop::adjust {
 namespace {
@@ -42,15 +45,28 @@ Vertices number_vertices(const std::vector<Triangle>& triangles, std::size_t pix
   return vertices;
 }
 
-std::vector<Eigen::Vector3f> back_project(const DepthGrid& grid, const Camera& camera, const Vertices& vertices) {
+/// Where a vertex takes its colour from: what was put onto the border's straight lines lies half a pixel or more beyond
+/// what was measured, and the picture may show the background there.
+VertexPlaces colored_places(VertexPlaces moved) {
+  for (std::size_t i = 0; i < moved.places.size(); ++i) {
+    if (moved.lines[i] == 0) moved.places[i].z() = 0;
+  }
+  return moved;
+}
+
+std::vector<Eigen::Vector3f> back_project(const DepthGrid& grid, const VertexPlaces& moved, const Camera& camera,
+                                          const Vertices& vertices) {
   std::vector<Eigen::Vector3f> points;
   points.reserve(vertices.pixels.size());
+  const auto corner_u = static_cast<float>(grid.window.x0 - camera.cx);
+  const auto corner_v = static_cast<float>(grid.window.y0 - camera.cy);
   const auto w = static_cast<std::uint32_t>(grid.window.width());
   for (const auto i : vertices.pixels) {
-    const auto u = static_cast<float>(static_cast<int>(i % w) + grid.window.x0 - camera.cx);
-    const auto v = static_cast<float>(static_cast<int>(i / w) + grid.window.y0 - camera.cy);
-    const float z = grid.z[i];
-    points.emplace_back(u * z / static_cast<float>(camera.fx), v * z / static_cast<float>(camera.fy), z);
+    Eigen::Vector3f p{static_cast<float>(i % w), static_cast<float>(i / w), grid.z[i]};
+    if (!moved.places.empty() && moved.places[i].z() > 0) p = moved.places[i];
+    const float u = p.x() + corner_u;
+    const float v = p.y() + corner_v;
+    points.emplace_back(u * p.z() / static_cast<float>(camera.fx), v * p.z() / static_cast<float>(camera.fy), p.z());
   }
   return points;
 }
@@ -88,7 +104,9 @@ std::vector<Rgb8> color_vertices(const DepthGrid& grid, const Vertices& vertices
   std::vector<bool> colored(points.size(), false);
   bool all = true;
   for (std::size_t n = 0; n < points.size(); ++n) {
-    const auto color = lookup.color_of(points[n], grid.sigma[vertices.pixels[n]]);
+    const auto pixel = vertices.pixels[n];
+    // What was not measured may not be what the colour camera sees there.
+    const auto color = grid.role[pixel] == Role::gap ? std::nullopt : lookup.color_of(points[n], grid.sigma[pixel]);
     colored[n] = color.has_value();
     if (color) colors[n] = *color;
     all = all && color;
@@ -103,20 +121,23 @@ float median(std::vector<float> values) {
   return *middle;
 }
 
+/// Of the measurements behind a patch's vertices; there must be some.
+float sigma_of(const DepthGrid& grid, const Vertices& vertices) {
+  std::vector<float> sigmas;
+  for (const auto pixel : vertices.pixels) sigmas.push_back(grid.sigma[pixel]);
+  return median(std::move(sigmas));
+}
+
 // Rounding adds spacing / sqrt(12) of noise (uniform distribution): at most a fifth of the sensor's own. And where the
 // lattice is not clearly finer than the pixels, triangles fold over: with a spacing of 0.75 of a pixel's width 0.3 % of
 // a Kinect's lose their area, with 1.2 times it 13 %.
 int coarsening(const DepthGrid& grid, const Vertices& vertices, const Camera& camera) {
   constexpr float kShareOfPixel = 0.75f;
   if (vertices.pixels.empty()) return 1;
-  std::vector<float> sigmas;
   std::vector<float> depths;
-  for (const auto pixel : vertices.pixels) {
-    sigmas.push_back(grid.sigma[pixel]);
-    depths.push_back(grid.z[pixel]);
-  }
+  for (const auto pixel : vertices.pixels) depths.push_back(grid.z[pixel]);
   const float pixel_m = median(std::move(depths)) / static_cast<float>(std::max(camera.fx, camera.fy));
-  const float largest_m = std::min(median(std::move(sigmas)) * std::sqrt(12.0f) / 5, kShareOfPixel * pixel_m);
+  const float largest_m = std::min(sigma_of(grid, vertices) * std::sqrt(12.0f) / 5, kShareOfPixel * pixel_m);
   if (4 * kLatticeSpacing_m <= largest_m) return 4;
   return 2 * kLatticeSpacing_m <= largest_m ? 2 : 1;
 }
@@ -139,8 +160,8 @@ Status validate(const Snapshot& snapshot) {
   const Camera& camera = snapshot.rig->depth;
   const auto fits = [&](const auto& image) { return image.width() == camera.width && image.height() == camera.height; };
   const Comparison& c = *snapshot.comparison;
-  if (!fits(snapshot.frame->depth) || !fits(c.labels) || !fits(c.expected) || !fits(c.node_index) ||
-      !fits(c.threshold_m) || !fits(snapshot.regions->ids)) {
+  if (!fits(snapshot.frame->depth) || (snapshot.fused && !fits(snapshot.fused->depth)) || !fits(c.labels) ||
+      !fits(c.expected) || !fits(c.node_index) || !fits(c.threshold_m) || !fits(snapshot.regions->ids)) {
     return fail("an image of the snapshot has another size than the rig's depth camera");
   }
   return validate(*snapshot.rig);
@@ -148,16 +169,30 @@ Status validate(const Snapshot& snapshot) {
 
 Submesh make_patch(const Snapshot& snapshot, RegionId region, const AdjustOptions& options, const ColorLookup& colors) {
   const Rig& rig = *snapshot.rig;
-  DepthGrid grid = select_patch(*snapshot.comparison, snapshot.frame->depth, snapshot.regions->ids, region, rig.sensor);
+  const DepthImage& measured = snapshot.fused != nullptr ? snapshot.fused->depth : snapshot.frame->depth;
+  const Image<std::uint8_t> one_each;
+  const auto& measurements = snapshot.fused != nullptr ? snapshot.fused->measurements : one_each;
+  DepthGrid grid =
+      select_patch(*snapshot.comparison, measured, measurements, snapshot.regions->ids, region, rig.sensor);
   if (grid.window.empty()) return {};
-  if (options.smooth && worth_smoothing(rig.sensor)) smooth(grid, snapshot.frame->depth);
-  auto triangles = triangulate(grid, rig.depth, options.discontinuity_sigmas);
+  FlatParts parts;
+  if (options.flatten) parts = find_flat_parts(grid);
+  if (options.smooth && worth_smoothing(rig.sensor)) smooth(grid, measured);
+  VertexPlaces places;
+  if (!parts.planes.empty()) {
+    fill_gaps(grid, parts, measured);
+    snap_to_planes(grid, parts);
+    places = meet_in_lines(grid, parts, *snapshot.comparison);
+  }
+  auto triangles = triangulate(grid, rig.depth, options.discontinuity_sigmas, places.lines);
   drop_small_pieces(triangles, grid.z.size(), least_triangles(options, rig.depth));
+  if (!parts.planes.empty()) straighten_border(grid, parts, triangles, places);
 
   Submesh patch;
   const Vertices vertices = number_vertices(triangles, grid.z.size());
-  const auto points = back_project(grid, rig.depth, vertices);
-  patch.colors = color_vertices(grid, vertices, points, colors);
+  const auto points = back_project(grid, places, rig.depth, vertices);
+  patch.colors =
+      color_vertices(grid, vertices, back_project(grid, colored_places(places), rig.depth, vertices), colors);
   // The model's own depth belongs to the pose that it was drawn with.
   const Pose& T_depth_world = snapshot.depth_pose.T_camera_world;
   const Eigen::Isometry3f T_world_model = T_depth_world.inverse().cast<float>();
@@ -172,7 +207,11 @@ Submesh make_patch(const Snapshot& snapshot, RegionId region, const AdjustOption
     for (auto& i : triangle) i = vertices.number_of_pixel[i];
   }
   patch.triangles = std::move(triangles);
-  return snap_to_lattice(patch, coarsening(grid, vertices, rig.depth));
+  // What lies on a plane is not as noisy as the sensor.
+  const int coarse = parts.planes.empty() ? coarsening(grid, vertices, rig.depth) : 1;
+  if (options.decimate_sigmas > 0)
+    patch = decimate(patch, options.decimate_sigmas * sigma_of(grid, vertices), options.decimate_levels);
+  return snap_to_lattice(patch, coarse);
 }
 
 std::vector<Submesh> split(Submesh submesh, std::size_t max_triangles) {

@@ -13,6 +13,7 @@
 #include "common/geometry/tracked_pose.h"
 #include "common/image/frames.h"
 #include "common/mesh/model.h"
+#include "server/adjust/depth_fusion.h"
 
 namespace meshloop {
 
@@ -25,6 +26,8 @@ struct Snapshot {
   TrackedPose depth_pose;
   /// Where new surface is placed, when something better is known (refine_pose): T_depth_world.
   std::optional<Pose> refined_T_camera_world;
+  /// What new surface is made of, when more was measured than this frame (fuse_depth); else the frame's depth.
+  const FusedDepth* fused = nullptr;
   const Comparison* comparison = nullptr;
   const RegionMap* regions = nullptr;
 };
@@ -69,6 +72,12 @@ struct AdjustOptions {
   std::size_t min_patch_triangles = 20;
   /// One bilateral pass over the depth of an inserted patch; skipped for sensors with a constant sigma below 1.5 mm.
   bool smooth = true;
+  /// Measurements on a plane are put onto it, within the noise, and planes meet in straight lines.
+  bool flatten = true;
+  /// Patches are decimated as long as their surface stays within so many sigma of the sensor's noise; 0: not at all.
+  double decimate_sigmas = 0;
+  /// And their brightness within so many levels of 255.
+  double decimate_levels = 12;
 };
 
 /// Proposals for the confirmed regions. `next_node_id` is the first free id; proposals take consecutive ones. Proposals

@@ -5,6 +5,9 @@
 #include <limits>
 #include <random>
 
+#include "common/simulation/scene.h"
+#include "common/simulation/sensor.h"
+
 namespace meshloop::boxes {
 namespace {
 
@@ -152,6 +155,19 @@ Cast cast(const std::vector<Box>& boxes, const Camera& camera, const Pose& T_cam
   return result;
 }
 
+DepthImage measure(const std::vector<Box>& boxes, const Camera& camera, const Pose& T_camera_world,
+                   const SensorModel& sensor, unsigned seed) {
+  simulation::Scene scene;
+  for (const auto& box : boxes) {
+    simulation::Solid solid;
+    solid.size = box.high - box.low;
+    solid.T_world_solid.translation() = (box.low + box.high) / 2;
+    scene.solids.push_back(solid);
+  }
+  const auto exact = simulation::cast_depth(scene, camera, T_camera_world, false);
+  return simulation::measure(exact, camera, sensor, {1, seed});
+}
+
 Submesh tessellate(const Box& box) {
   Submesh mesh;
   const Eigen::Vector3d size = box.high - box.low;
@@ -200,6 +216,9 @@ std::unique_ptr<World> make_world(std::vector<Box> boxes, const Pose& T_world_de
   world->truth = cast(real, options.depth, world->T_depth_world).depth;
   world->frame.depth = world->truth;
   add_noise(world->frame.depth, options);
+  if (options.with_all_faults) {
+    world->frame.depth = measure(real, options.depth, world->T_depth_world, options.sensor, options.seed);
+  }
   const Pose T_color_world = options.T_depth_color.inverse() * world->T_depth_world;
   world->frame.color = cast_color(real, options.color, T_color_world, options);
   compare(*world, options);

@@ -27,6 +27,10 @@ struct Cast {
 };
 [[nodiscard]] Cast cast(const std::vector<Box>& boxes, const Camera& camera, const Pose& T_camera_world);
 
+/// What a depth camera delivers of them, with all the faults that common/simulation gives it.
+[[nodiscard]] DepthImage measure(const std::vector<Box>& boxes, const Camera& camera, const Pose& T_camera_world,
+                                 const SensorModel& sensor, unsigned seed);
+
 /// Triangles of all six faces, edges at most edge_m, faces with vertices of their own.
 [[nodiscard]] Submesh tessellate(const Box& box);
 
@@ -53,6 +57,8 @@ struct WorldOptions {
   SensorModel sensor{SensorModel::Kind::constant, 0.001};
   /// Gaussian, in multiples of the sensor's sigma.
   double noise = 0;
+  /// In place of that: `measure`.
+  bool with_all_faults = false;
   unsigned seed = 1;
   double threshold_m = 0.005;
   /// Colour of a point of the world; the colour image is cast from the real boxes.

@@ -27,6 +27,13 @@ double distance_to_surface(const Box& box, const Eigen::Vector3d& p) {
   return inside.minCoeff() >= 0 ? inside.minCoeff() : outside.norm();
 }
 
+/// Pixels as they were measured.
+AdjustOptions not_flattened() {
+  AdjustOptions options;
+  options.flatten = false;
+  return options;
+}
+
 // A camera beside the world's origin and turned, so that poses matter.
 Pose turned_pose() {
   return look_at({0.2, -0.1, 0.1}, {0, 0, 1.6}, {0, -1, 0});
@@ -34,7 +41,7 @@ Pose turned_pose() {
 
 TEST(Insertion, PatchLiesOnTheMeasuredSurface) {
   const auto world = make_world({kWall, kObject}, turned_pose());
-  const auto patch = insertion_patch(world->snapshot(), world->region(ChangeKind::insertion).id, {});
+  const auto patch = insertion_patch(world->snapshot(), world->region(ChangeKind::insertion).id, not_flattened());
   ASSERT_TRUE(validate(patch).has_value());
   for (const auto& p : patch.positions) {
     EXPECT_LT(distance_to_surface(kObject, p.cast<double>()), 2.5e-4) << p.transpose();
@@ -154,7 +161,7 @@ TEST(Insertion, SmoothingLeavesLessThanHalfTheNoiseOfAPlane) {
   options.noise = 1;
   const auto world = make_world({unknown_wall}, Pose::Identity(), options);
   const auto rms = [&](bool smooth) {
-    AdjustOptions adjust;
+    AdjustOptions adjust = not_flattened();
     adjust.smooth = smooth;
     const auto patch = insertion_patch(world->snapshot(), 1, adjust);
     double sum = 0;
@@ -173,7 +180,7 @@ TEST(Insertion, IsRoundedToAFifthOfTheNoiseAtMost) {
     options.sensor = SensorModel{SensorModel::Kind::constant, sigma_m};
     options.noise = 1;
     const auto world = make_world({unknown_wall}, turned_pose(), options);
-    const auto patch = insertion_patch(world->snapshot(), 1, {});
+    const auto patch = insertion_patch(world->snapshot(), 1, not_flattened());
     return patch.triangles.empty() ? 0 : coarsening_of(patch);
   };
   // Sigmas of which the rounding of one, two and four steps is just below a fifth.
@@ -190,7 +197,7 @@ TEST(Insertion, IsNotRoundedToTheWidthOfItsPixels) {
   options.depth = Camera{320, 240, 2900, 2900, 159.5, 119.5, {}};
   options.sensor = SensorModel{SensorModel::Kind::constant, 0.005};
   const auto world = make_world({unknown_wall}, Pose::Identity(), options);
-  const auto patch = insertion_patch(world->snapshot(), 1, {});
+  const auto patch = insertion_patch(world->snapshot(), 1, not_flattened());
   EXPECT_EQ(coarsening_of(patch), 2);
   EXPECT_EQ(patch.triangles.size(), 2U * 319U * 239U);
 }
@@ -263,11 +270,11 @@ TEST(Insertion, LeavesOutImpossibleDepthsAndOnlyThose) {
   auto world = make_world({kWall, kObject}, Pose::Identity());
   world->rig.sensor = SensorModel{SensorModel::Kind::kinect1};
   const auto id = world->region(ChangeKind::insertion).id;
-  const auto before = insertion_patch(world->snapshot(), id, {}).positions.size();
+  const auto before = insertion_patch(world->snapshot(), id, not_flattened()).positions.size();
   world->frame.depth(160, 120) = std::numeric_limits<float>::infinity();
   world->frame.depth(150, 120) = std::numeric_limits<float>::quiet_NaN();
   world->frame.depth(170, 120) = -1;
-  const auto patch = insertion_patch(world->snapshot(), id, {});
+  const auto patch = insertion_patch(world->snapshot(), id, not_flattened());
   EXPECT_TRUE(validate(patch).has_value());
   EXPECT_EQ(patch.positions.size(), before - 3);
 }

@@ -1,0 +1,45 @@
+#pragma once
+// The depth of several frames, in the pixels of one.
+#include <cstdint>
+#include <span>
+
+#include "common/change/region.h"
+#include "common/geometry/camera.h"
+#include "common/geometry/pose.h"
+#include "common/geometry/sensor_model.h"
+#include "common/image/image.h"
+
+namespace meshloop {
+
+/// One frame's measured depth, in metres, and where it was measured from.
+struct DepthView {
+  const DepthImage* depth = nullptr;
+  Pose T_camera_world = Pose::Identity();
+};
+
+struct FusedDepth {
+  /// Standard deviation of a depth of so many measurements, frontal view, in metres.
+  [[nodiscard]] static float sigma_m(const SensorModel& sensor, float z, int measurements);
+
+  /// Metres; 0 where the first view measured nothing, or more views see through its surface than measure it.
+  DepthImage depth;
+  /// Of how many measurements; 0 where there is no depth.
+  Image<std::uint8_t> measurements;
+};
+
+/// As many views as are looked at.
+inline constexpr std::size_t kMostFusedViews = 16;
+
+/// Fuses the depth of up to kMostFusedViews views of one camera in the first one's pixels. The surface that the first
+/// view measured is looked up in each other view; what lies there within 3 sigma of the median is averaged, so that
+/// nothing is averaged across two surfaces. Views that look at a surface from more than 25 degrees aside have no say
+/// there, nor have those in which something stands before it. Pixels of `mask` that are 0 keep what the first view
+/// measured; an empty mask is one without zeros. Each depth image has the camera's size.
+[[nodiscard]] FusedDepth fuse_depth(std::span<const DepthView> views, const Camera& camera, const SensorModel& sensor,
+                                    const Image<std::uint8_t>& mask);
+
+/// Pixels of the windows around the regions that may become new surface, in an image of the ids' size: what a fusion
+/// for them has to look at.
+[[nodiscard]] Image<std::uint8_t> fused_pixels(const RegionMap& regions);
+
+}  // namespace meshloop

@@ -1,0 +1,269 @@
+#include "server/adjust/straight_lines.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+#include <unordered_map>
+#include <utility>
+
+#include "server/adjust/outline.h"
+
+namespace meshloop::adjust {
+namespace {
+
+constexpr double kOntoCrease_px = 1;
+constexpr double kOntoCorner_px = 1.5;
+constexpr double kOntoModel_px = 10;
+/// Borders are as ragged as so many times the noise across the picture.
+constexpr double kRagged = 3;
+/// Two planes that part by less than this share of their depth from one pixel to the next meet in no certain line.
+constexpr double kLeastBend = 1e-4;
+
+PicturePlane difference(const PicturePlane& a, const PicturePlane& b) {
+  return {a.per_column - b.per_column, a.per_row - b.per_row, a.at_corner - b.at_corner};
+}
+
+bool is_certain(const PicturePlane& bend, double inverse_z) {
+  return std::hypot(bend.per_column, bend.per_row) > kLeastBend * inverse_z;
+}
+
+/// Where three planes meet.
+std::optional<Eigen::Vector2d> corner_of(const PicturePlane& a, const PicturePlane& b, const PicturePlane& c) {
+  const PicturePlane ab = difference(a, b);
+  const PicturePlane ac = difference(a, c);
+  const Eigen::Matrix2d M{{ab.per_column, ab.per_row}, {ac.per_column, ac.per_row}};
+  const Eigen::Vector2d p = M.inverse() * Eigen::Vector2d{-ab.at_corner, -ac.at_corner};
+  return p.allFinite() ? std::optional{p} : std::nullopt;
+}
+
+class LineFinder {
+ public:
+  LineFinder(const DepthGrid& grid, const FlatParts& parts, const Comparison& comparison)
+      : grid_{grid},
+        parts_{parts},
+        comparison_{comparison},
+        width_{grid.window.width()},
+        height_{grid.window.height()},
+        vertices_{std::vector<Eigen::Vector3f>(grid.z.size(), Eigen::Vector3f::Zero()),
+                  std::vector<std::uint16_t>(grid.z.size(), 0)} {}
+
+  VertexPlaces find() {
+    for_each_pixel([&](int x, int y) {
+      const auto own = plane_at(x, y);
+      if (own != 0) onto_crease(x, y, own);
+    });
+    onto_corners();
+    for_each_pixel([&](int x, int y) {
+      if (grid_.role[pixel(x, y)] == Role::model_rim) onto_model(x, y);
+    });
+    return std::move(vertices_);
+  }
+
+ private:
+  [[nodiscard]] std::size_t pixel(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+  }
+  [[nodiscard]] std::uint16_t plane_at(int x, int y) const {
+    if (x < 0 || y < 0 || x >= width_ || y >= height_) return 0;
+    return parts_.plane_of_pixel[pixel(x, y)];
+  }
+  [[nodiscard]] const PicturePlane& plane(std::uint16_t number) const { return parts_.planes[number - 1u]; }
+  template <typename Visit>
+  void for_each_pixel(const Visit& visit) const {
+    for (int y = 0; y < height_; ++y) {
+      for (int x = 0; x < width_; ++x) visit(x, y);
+    }
+  }
+
+  void place(std::size_t i, const Eigen::Vector2d& at, double inverse_z, std::uint16_t line) {
+    vertices_.places[i] = {static_cast<float>(at.x()), static_cast<float>(at.y()), static_cast<float>(1 / inverse_z)};
+    vertices_.lines[i] = line;
+  }
+  /// One number for each pair of planes; 0 stands for the model's.
+  std::uint16_t line_between(std::uint16_t a, std::uint16_t b) {
+    const auto next = static_cast<std::uint16_t>(line_numbers_.size() + 1);
+    if (next == VertexPlaces::kCorner) return 0;
+    return line_numbers_.try_emplace({std::min(a, b), std::max(a, b)}, next).first->second;
+  }
+
+  /// Of two planes that meet, one gives the pixels: along the axis across which the line runs, the pixel next to it.
+  void onto_crease(int x, int y, std::uint16_t own) {
+    for (const Eigen::Vector2i& step : {Eigen::Vector2i{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+      const auto other = plane_at(x + step.x(), y + step.y());
+      if (other <= own) continue;  // also 0: none
+      const PicturePlane bend = difference(plane(own), plane(other));
+      const bool along_row = std::abs(bend.per_column) >= std::abs(bend.per_row);
+      if (along_row != (step.y() == 0)) continue;
+      if (!is_certain(bend, plane(own).at(x, y))) continue;
+      const double shift = -bend.at(x, y) / (along_row ? bend.per_column : bend.per_row);
+      if (!(std::abs(shift) <= kOntoCrease_px)) continue;
+      const Eigen::Vector2d at{along_row ? x + shift : x, along_row ? y : y + shift};
+      place(pixel(x, y), at, plane(own).at(at.x(), at.y()), line_between(own, other));
+      near_crease_.push_back({x, y, own, other});
+      return;
+    }
+  }
+
+  /// The nearest pixel of those beside a line that has a third plane within two pixels.
+  void onto_corners() {
+    std::map<std::array<std::uint16_t, 3>, std::pair<double, std::size_t>> nearest;
+    for (const auto& [x, y, own, other] : near_crease_) {
+      for (int ny = y - 2; ny <= y + 2; ++ny) {
+        for (int nx = x - 2; nx <= x + 2; ++nx) {
+          const auto third = plane_at(nx, ny);
+          if (third == 0 || third == own || third == other) continue;
+          const auto corner = corner_of(plane(own), plane(other), plane(third));
+          if (!corner) continue;
+          const double distance = (*corner - Eigen::Vector2d{x, y}).norm();
+          if (distance > kOntoCorner_px) continue;
+          std::array<std::uint16_t, 3> key{own, other, third};
+          std::sort(key.begin(), key.end());
+          const auto [entry, is_new] = nearest.try_emplace(key, distance, pixel(x, y));
+          if (!is_new && distance < entry->second.first) entry->second = {distance, pixel(x, y)};
+        }
+      }
+    }
+    for (const auto& [planes, found] : nearest) {
+      const auto corner = corner_of(plane(planes[0]), plane(planes[1]), plane(planes[2]));
+      place(found.second, *corner, plane(planes[0]).at(corner->x(), corner->y()), VertexPlaces::kCorner);
+    }
+  }
+
+  /// The model's surface at a pixel as a plane; nothing where it bends or ends.
+  [[nodiscard]] std::optional<PicturePlane> model_plane(int x, int y) const {
+    const int u = x + grid_.window.x0;
+    const int v = y + grid_.window.y0;
+    const auto& expected = comparison_.expected;
+    if (u < 1 || v < 1 || u + 1 >= expected.width() || v + 1 >= expected.height()) return std::nullopt;
+    const auto inverse = [&](int du, int dv) { return 1 / static_cast<double>(expected(u + du, v + dv)); };
+    const double here = inverse(0, 0);
+    const PicturePlane slope{(inverse(1, 0) - inverse(-1, 0)) / 2, (inverse(0, 1) - inverse(0, -1)) / 2, 0};
+    const double bend =
+        std::abs(inverse(1, 0) + inverse(-1, 0) - 2 * here) + std::abs(inverse(0, 1) + inverse(0, -1) - 2 * here);
+    if (!(bend < kLeastBend * here)) return std::nullopt;
+    return PicturePlane{slope.per_column, slope.per_row, here - slope.at(x, y)};
+  }
+
+  [[nodiscard]] std::uint16_t plane_beside(int x, int y) const {
+    std::map<std::uint16_t, int> votes;
+    for (int ny = y - 1; ny <= y + 1; ++ny) {
+      for (int nx = x - 1; nx <= x + 1; ++nx) ++votes[plane_at(nx, ny)];
+    }
+    votes.erase(0);
+    const auto most =
+        std::max_element(votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    return most == votes.end() ? std::uint16_t{0} : most->first;
+  }
+
+  void onto_model(int x, int y) {
+    const auto beside = plane_beside(x, y);
+    if (beside == 0) return;
+    const auto model = model_plane(x, y);
+    if (!model) return;
+    const PicturePlane bend = difference(plane(beside), *model);
+    if (!is_certain(bend, model->at(x, y))) return;
+    const Eigen::Vector2d gradient{bend.per_column, bend.per_row};
+    const Eigen::Vector2d at = Eigen::Vector2d{x, y} - bend.at(x, y) / gradient.squaredNorm() * gradient;
+    if (!((at - Eigen::Vector2d{x, y}).norm() <= kOntoModel_px) || !is_same_model(at, *model)) return;
+    place(pixel(x, y), at, model->at(at.x(), at.y()), line_between(0, beside));
+  }
+  /// The model still is that plane at the pixel.
+  [[nodiscard]] bool is_same_model(const Eigen::Vector2d& at, const PicturePlane& model) const {
+    const int u = static_cast<int>(std::lround(at.x())) + grid_.window.x0;
+    const int v = static_cast<int>(std::lround(at.y())) + grid_.window.y0;
+    const auto& expected = comparison_.expected;
+    if (u < 0 || v < 0 || u >= expected.width() || v >= expected.height() || !(expected(u, v) > 0)) return false;
+    const double there = model.at(u - grid_.window.x0, v - grid_.window.y0);
+    return std::abs(1 / static_cast<double>(expected(u, v)) - there) < 10 * kLeastBend * there;
+  }
+
+  struct NearCrease {
+    int x;
+    int y;
+    std::uint16_t own;
+    std::uint16_t other;
+  };
+
+  const DepthGrid& grid_;
+  const FlatParts& parts_;
+  const Comparison& comparison_;
+  int width_;
+  int height_;
+  VertexPlaces vertices_;
+  std::map<std::pair<std::uint16_t, std::uint16_t>, std::uint16_t> line_numbers_;
+  std::vector<NearCrease> near_crease_;
+};
+
+/// Vertices of edges that have one triangle only.
+std::vector<std::uint32_t> border_of(const std::vector<Triangle>& triangles) {
+  std::unordered_map<std::uint64_t, int> count;
+  count.reserve(2 * triangles.size());
+  const auto key = [](std::uint32_t a, std::uint32_t b) {
+    return static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
+  };
+  for (const auto& [a, b, c] : triangles) {
+    for (const auto& edge : {key(a, b), key(b, c), key(c, a)}) ++count[edge];
+  }
+  std::set<std::uint32_t> vertices;
+  for (const auto& [edge, triangles_at_edge] : count) {
+    if (triangles_at_edge != 1) continue;
+    vertices.insert(static_cast<std::uint32_t>(edge >> 32));
+    vertices.insert(static_cast<std::uint32_t>(edge));
+  }
+  return {vertices.begin(), vertices.end()};
+}
+
+Eigen::Vector2d nearest_on(const Loop& loop, const Eigen::Vector2d& p) {
+  Eigen::Vector2d nearest = loop.front();
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const Eigen::Vector2d& a = loop[i];
+    const Eigen::Vector2d along = loop[(i + 1) % loop.size()] - a;
+    const double share = std::clamp((p - a).dot(along) / std::max(along.squaredNorm(), 1e-12), 0.0, 1.0);
+    const Eigen::Vector2d q = a + share * along;
+    if ((q - p).squaredNorm() < (nearest - p).squaredNorm()) nearest = q;
+  }
+  return nearest;
+}
+
+}  // namespace
+
+VertexPlaces meet_in_lines(const DepthGrid& grid, const FlatParts& parts, const Comparison& comparison) {
+  return LineFinder{grid, parts, comparison}.find();
+}
+
+void straighten_border(const DepthGrid& grid, const FlatParts& parts, const std::vector<Triangle>& triangles,
+                       VertexPlaces& vertices) {
+  const int w = grid.window.width();
+  Image<std::uint8_t> mask{w, grid.window.height()};
+  for (const auto& triangle : triangles) {
+    for (const auto i : triangle) mask.pixels()[i] = is_part(grid.role[i]) ? 1 : 0;
+  }
+  const double ragged_px = std::max(kStraightSteps_px, kRagged * grid.lateral_px);
+  const auto loops = outline_of(mask, 4, ragged_px);
+  const auto border = border_of(triangles);
+  const auto move = [&](std::uint32_t i, const Eigen::Vector2d& at) {
+    const auto plane = parts.plane_of_pixel[i];
+    const float z = plane == 0 ? grid.z[i] : static_cast<float>(1 / parts.planes[plane - 1u].at(at.x(), at.y()));
+    vertices.places[i] = {static_cast<float>(at.x()), static_cast<float>(at.y()), z};
+  };
+  const auto pixel_of = [&](std::uint32_t i) {
+    return Eigen::Vector2d{static_cast<double>(i % static_cast<std::uint32_t>(w)),
+                           static_cast<double>(i / static_cast<std::uint32_t>(w))};
+  };
+  for (const auto i : border) {
+    if (!is_part(grid.role[i]) || vertices.lines[i] != 0) continue;
+    for (const auto& loop : loops) {
+      const Eigen::Vector2d at = nearest_on(loop, pixel_of(i));
+      if ((at - pixel_of(i)).norm() <= ragged_px + 0.5) {
+        move(i, at);
+        break;
+      }
+    }
+  }
+}
+
+}  // namespace meshloop::adjust
