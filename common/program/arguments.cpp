@@ -23,7 +23,8 @@ std::optional<int> parse_number(std::string_view text) {
 
 Result<std::vector<int>> parse_frame_list(const std::string& text) {
   std::set<int> frames;
-  std::istringstream parts{text};
+  // A comma at the end begins one more part, which getline does not give.
+  std::istringstream parts{text.ends_with(',') ? text + ',' : text};
   for (std::string part; std::getline(parts, part, ',');) {
     const auto dash = part.find('-');
     const auto first = parse_number(part.substr(0, dash));

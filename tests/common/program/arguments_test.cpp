@@ -16,7 +16,7 @@ TEST(FrameList, ReadsNumbersAndRangesInOrderAndOnce) {
 }
 
 TEST(FrameList, RefusesWhatIsNoList) {
-  for (const char* text : {"", "a", "1-", "-1", "4-2", "1,,2", "1.5", "9999999", "1 2"}) {
+  for (const char* text : {"", "a", "1-", "-1", "4-2", "1,,2", "1,", ",1", ",", "1.5", "9999999", "1 2"}) {
     const auto frames = parse_frame_list(text);
     ASSERT_FALSE(frames) << text;
     EXPECT_EQ(frames.error().kind, ErrorKind::usage);
