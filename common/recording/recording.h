@@ -94,5 +94,7 @@ class RecordingWriter {
 /// rig.yaml. Every key must be there, none may be unknown; a registered depth camera must equal the colour camera.
 [[nodiscard]] Result<Rig> read_rig(const std::filesystem::path& file);
 [[nodiscard]] Status write_rig(const std::filesystem::path& file, const Rig& rig);
+/// What write_rig writes. Of a valid rig.
+[[nodiscard]] std::string rig_text(const Rig& rig);
 
 }  // namespace meshloop

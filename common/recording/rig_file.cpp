@@ -143,15 +143,17 @@ Result<Rig> read_rig(const std::filesystem::path& file) {
   }
 }
 
+std::string rig_text(const Rig& rig) {
+  return camera_line("color", rig.color) + camera_line("depth", rig.depth) +
+         fmt::format("depth_scale: {}  # metres per unit of the depth images\n", rig.depth_scale) +
+         pose_line(rig.T_depth_color) +
+         fmt::format("sensor: {}\ndepth_registered: {}\n", sensor_text(rig.sensor), rig.depth_registered) +
+         covariance_text(rig.covariance);
+}
+
 Status write_rig(const std::filesystem::path& file, const Rig& rig) {
   if (auto ok = check_rig(rig); !ok) return fail(fmt::format("cannot write '{}'", file.string()), ok.error());
-  const std::string text =
-      camera_line("color", rig.color) + camera_line("depth", rig.depth) +
-      fmt::format("depth_scale: {}  # metres per unit of the depth images\n", rig.depth_scale) +
-      pose_line(rig.T_depth_color) +
-      fmt::format("sensor: {}\ndepth_registered: {}\n", sensor_text(rig.sensor), rig.depth_registered) +
-      covariance_text(rig.covariance);
-  return write_text_file(file, text);
+  return write_text_file(file, rig_text(rig));
 }
 
 }  // namespace meshloop

@@ -15,6 +15,7 @@ class PrefetchingSource : public RgbdSource {
   ~PrefetchingSource() override;
 
   [[nodiscard]] const Rig& rig() const override { return source_->rig(); }
+  [[nodiscard]] const Rig& calibration() const override { return source_->calibration(); }
   Result<std::optional<RgbdFrame>> next() override;
   [[nodiscard]] std::optional<int> frame_count() const override { return source_->frame_count(); }
   [[nodiscard]] bool ready() const override { return !queue_.would_wait(); }

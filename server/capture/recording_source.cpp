@@ -6,6 +6,14 @@
 #include <utility>
 
 namespace meshloop {
+namespace {
+
+Rig calibrated(Rig rig, const std::optional<SensorModel>& sensor) {
+  if (sensor) rig.sensor = *sensor;
+  return rig;
+}
+
+}  // namespace
 
 Result<std::unique_ptr<RecordingSource>> RecordingSource::open(const std::filesystem::path& folder,
                                                                const std::optional<std::filesystem::path>& rig_file,
@@ -21,12 +29,12 @@ Result<std::unique_ptr<RecordingSource>> RecordingSource::open(const std::filesy
 RecordingSource::RecordingSource(Recording recording, Options options)
     : recording_{std::move(recording)},
       options_{std::move(options)},
-      rig_{recording_.rig()},
+      calibration_{calibrated(recording_.rig(), options_.sensor)},
+      rig_{calibration_},
       rectify_color_{rig_.color},
       rectify_depth_{rig_.depth} {
   rig_.color = rig_.color.without_distortion();
   rig_.depth = rig_.depth.without_distortion();
-  if (options_.sensor) rig_.sensor = *options_.sensor;
 }
 
 Result<std::optional<RgbdFrame>> RecordingSource::next() {

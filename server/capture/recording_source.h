@@ -16,7 +16,7 @@ class RecordingSource : public RgbdSource {
   struct Options {
     /// True: next() sleeps until the frame is due, counted from the first call. False: as fast as frames are read.
     bool real_time = false;
-    /// Replaces the rig's sensor model.
+    /// Replaces the rig's sensor model, in the calibration too.
     std::optional<SensorModel> sensor = std::nullopt;
   };
 
@@ -29,6 +29,7 @@ class RecordingSource : public RgbdSource {
   }
 
   [[nodiscard]] const Rig& rig() const override { return rig_; }
+  [[nodiscard]] const Rig& calibration() const override { return calibration_; }
   Result<std::optional<RgbdFrame>> next() override;
   [[nodiscard]] std::optional<int> frame_count() const override {
     return static_cast<int>(recording_.depth_images().size());
@@ -43,6 +44,7 @@ class RecordingSource : public RgbdSource {
 
   Recording recording_;
   Options options_;
+  Rig calibration_;
   Rig rig_;
   Rectifier rectify_color_;
   Rectifier rectify_depth_;

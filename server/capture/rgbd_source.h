@@ -14,6 +14,8 @@ class RgbdSource {
   virtual ~RgbdSource() = default;
   /// Cameras without distortion, as the frames are.
   [[nodiscard]] virtual const Rig& rig() const = 0;
+  /// The rig as calibrated, with the lens distortion that the frames were made free of.
+  [[nodiscard]] virtual const Rig& calibration() const = 0;
   /// The next frame; nothing at the end of a recording. A frame that cannot be read is an error; the source can go on.
   [[nodiscard]] virtual Result<std::optional<RgbdFrame>> next() = 0;
   /// How many frames there are in all, where that is known.

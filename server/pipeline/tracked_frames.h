@@ -35,6 +35,8 @@ class TrackedFrames {
   [[nodiscard]] static Result<TrackedFrames> create(std::unique_ptr<RgbdSource> source, PoseOptions options);
 
   [[nodiscard]] const Rig& rig() const { return source_->rig(); }
+  /// RgbdSource::calibration.
+  [[nodiscard]] const Rig& calibration() const { return source_->calibration(); }
   /// An error of usage when the source is known to end before one of these frames (in growing order).
   [[nodiscard]] Status check_frames(const std::vector<int>& frames) const;
   /// Nothing at the end. With skip_unreadable a frame that cannot be read is left out with a warning; ten in a row, or

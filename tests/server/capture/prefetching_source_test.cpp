@@ -11,6 +11,7 @@ class CountingSource : public RgbdSource {
  public:
   CountingSource(int frames, int broken, std::atomic<int>& reads) : frames_{frames}, broken_{broken}, reads_{reads} {}
   [[nodiscard]] const Rig& rig() const override { return rig_; }
+  [[nodiscard]] const Rig& calibration() const override { return rig_; }
   Result<std::optional<RgbdFrame>> next() override {
     ++reads_;
     const int index = next_++;

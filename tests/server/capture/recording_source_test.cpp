@@ -50,6 +50,8 @@ TEST_F(RecordingSourceTest, FramesAndRigAreFreeOfDistortion) {
   EXPECT_FALSE(source->rig().color.has_distortion());
   EXPECT_FALSE(source->rig().depth.has_distortion());
   EXPECT_EQ(source->rig().color.fx, 50);
+  EXPECT_EQ(source->calibration().color.distortion, bent_rig().color.distortion);
+  EXPECT_EQ(source->calibration().depth.distortion, bent_rig().depth.distortion);
   const auto frame = source->next().value();
   EXPECT_EQ(frame->depth(16, 12), 1);
   EXPECT_EQ(frame->depth(0, 0), 0) << "this lens did not see the pinhole's corner";
