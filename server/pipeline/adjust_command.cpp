@@ -1,5 +1,6 @@
 // `adjust`: snapshots to new revisions, in batch.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <iostream>
@@ -7,6 +8,7 @@
 
 #include "common/base/clock.h"
 #include "common/program/arguments.h"
+#include "common/recording/recording.h"
 #include "server/pipeline/adjuster.h"
 #include "server/pipeline/commands.h"
 #include "server/pipeline/options.h"
@@ -22,6 +24,7 @@ struct AdjustArguments {
   std::string frames;
   ThresholdArguments threshold;
   std::string accept;
+  OperatorArguments person;
   ViewArguments views;
   bool json = false;
 };
@@ -30,6 +33,9 @@ struct AdjustRun {
   std::vector<int> frames;
   bool accept_all = false;
   std::vector<int> accepted_ids;
+  /// For the journal.
+  std::string author;
+  std::string calibration;
   nlohmann::json results = nlohmann::json::array();
 };
 
@@ -41,7 +47,9 @@ Result<AdjustRun> make_run(const AdjustArguments& arguments) {
   run.accept_all = arguments.accept == "all";
   if (!run.accept_all && !arguments.accept.empty()) {
     auto ids = parse_frame_list(arguments.accept);
-    if (!ids) return fail("--accept takes all, or ids such as 1,3", ErrorKind::usage);
+    if (!ids) {
+      return fail(fmt::format("--accept takes all, or ids such as 1,3, not '{}'", arguments.accept), ErrorKind::usage);
+    }
     run.accepted_ids = std::move(*ids);
     if (run.frames.size() != 1) return fail("--accept with ids needs a single frame in --frames", ErrorKind::usage);
   }
@@ -55,6 +63,19 @@ std::vector<Proposal> chosen(const AdjustRun& run, const std::vector<Proposal>& 
            std::binary_search(run.accepted_ids.begin(), run.accepted_ids.end(), static_cast<int>(proposal.id));
   });
   return accepted;
+}
+
+/// Says which of the ids that --accept names are not proposed.
+Status check_chosen(const AdjustRun& run, int frame, const std::vector<Proposal>& proposals) {
+  std::vector<int> there;
+  for (const auto& proposal : proposals) there.push_back(static_cast<int>(proposal.id));
+  for (const int id : run.accepted_ids) {
+    if (std::find(there.begin(), there.end(), id) != there.end()) continue;
+    return fail(there.empty()
+                    ? fmt::format("frame {} has no proposal {}: it proposes nothing", frame, id)
+                    : fmt::format("frame {} has no proposal {}; it has {}", frame, id, fmt::join(there, ", ")));
+  }
+  return {};
 }
 
 nlohmann::json proposal_json(const Proposal& proposal) {
@@ -82,16 +103,14 @@ Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const Rig& rig,
   result["time_ms"] = {{"snapshot", watch.milliseconds()}};
   result["registration"] = registration_json(registration, tracked.depth_pose);
   for (const auto& proposal : proposals) result["proposals"].push_back(proposal_json(proposal));
+  if (auto ok = check_chosen(run, tracked.frame.index, proposals); !ok) return ok;
   const auto accepted = chosen(run, proposals);
-  if (!run.accept_all && accepted.size() != run.accepted_ids.size()) {
-    return fail(fmt::format("frame {} has {} proposals, and not all that --accept names are among them",
-                            tracked.frame.index, proposals.size()));
-  }
   if (!accepted.empty()) {
     const auto frame = fmt::format("frame {}", tracked.frame.index);
-    const auto picture = views.on_color(tracked, *examination, frame);
+    auto picture = views.on_color(tracked, *examination, frame);
     if (!picture) return fail(frame, picture.error());
-    const auto acceptance = accept_changes(store, accepted, "adjust", *picture);
+    const Evidence evidence{run.author, snapshot_info(tracked, registration, run.calibration), std::move(*picture)};
+    const auto acceptance = accept_changes(store, accepted, evidence);
     if (!acceptance) return fail(frame, acceptance.error());
     if (auto synced = store.sync(); !synced) {
       return fail(fmt::format("{}: revision {} may be gone at the next start", frame, acceptance->info.revision),
@@ -153,6 +172,8 @@ Status adjust(const AdjustArguments& arguments) {
   auto frames = arguments.recording.open();
   if (!frames) return fail(frames.error());
   if (auto there = frames->check_frames(run->frames); !there) return there;
+  run->author = arguments.person.name;
+  run->calibration = rig_text(frames->calibration());
   options->regions.confirm_views = 1;
   auto examiner = Examiner::create(frames->rig(), *options);
   if (!examiner) return fail(examiner.error());
@@ -179,6 +200,7 @@ void add_adjust_command(CLI::App& app, Action& action) {
   arguments->threshold.add_to(*command);
   command->add_option("--accept", arguments->accept,
                       "all, or ids of proposals (1,3), each of which counts once; nothing is accepted if not given");
+  arguments->person.add_to(*command);
   arguments->views.add_colors_to(*command);
   command->add_flag("--json", arguments->json, "proposals and revisions as JSON on stdout");
   command->callback([arguments, &action] { action = [arguments] { return adjust(*arguments); }; });

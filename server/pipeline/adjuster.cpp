@@ -54,20 +54,27 @@ ProposedChanges propose_changes(const TrackedFrame& tracked, const Examination& 
   return changes;
 }
 
-Result<Acceptance> accept_changes(SceneStore& store, const std::vector<Proposal>& accepted, const std::string& author,
-                                  const ColorImage& picture) {
+SnapshotInfo snapshot_info(const TrackedFrame& tracked, const Registration& registration,
+                           const std::string& calibration) {
+  SnapshotInfo info{.calibration = calibration, .depth_pose = tracked.depth_pose, .refined_T_camera_world = {}};
+  if (!registration.refused) info.refined_T_camera_world = registration.T_camera_world;
+  return info;
+}
+
+Result<Acceptance> accept_changes(SceneStore& store, const std::vector<Proposal>& accepted, const Evidence& evidence) {
   const auto merged = merge_edits(*store.model(), accepted);
   if (!merged) return fail(merged.error());
   Acceptance acceptance;
   RevisionInfo& info = acceptance.info;
   info.accepted_ns = wall_clock_ns();
-  info.author = author;
+  info.author = evidence.author;
+  info.snapshot = evidence.snapshot;
   info.triangles_added = merged->triangles_added;
   info.triangles_removed = merged->triangles_removed;
   for (const auto& proposal : accepted) {
     info.summary += fmt::format("{}region {}: {}", info.summary.empty() ? "" : "; ", proposal.id, proposal.effect);
   }
-  if (auto png = encode_png(picture)) info.pictures.push_back(std::move(*png));
+  if (auto png = encode_png(evidence.picture)) info.pictures.push_back(std::move(*png));
   const Stopwatch watch;
   auto model = store.commit_unsynced(merged->edits, info);
   if (!model) return fail(model.error());

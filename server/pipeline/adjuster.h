@@ -26,10 +26,20 @@ struct ProposedChanges {
 [[nodiscard]] ProposedChanges propose_changes(const TrackedFrame& tracked, const Examination& examination,
                                               const Rig& rig, const SceneStore& store);
 
+/// The frame for the journal. `calibration`: TrackedFrames::calibration as rig_text.
+[[nodiscard]] SnapshotInfo snapshot_info(const TrackedFrame& tracked, const Registration& registration,
+                                         const std::string& calibration);
+
+/// Who accepts, and what there was to see: for the journal.
+struct Evidence {
+  std::string author;
+  SnapshotInfo snapshot;
+  ColorImage picture;
+};
 /// Commits the proposals as one revision, without waiting for the disk (SceneStore::sync does): whoever waits for the
-/// change shall not wait for that. `picture` goes into the journal.
+/// change shall not wait for that.
 [[nodiscard]] Result<Acceptance> accept_changes(SceneStore& store, const std::vector<Proposal>& accepted,
-                                                const std::string& author, const ColorImage& picture);
+                                                const Evidence& evidence);
 
 /// Why nothing may be written to the model from this frame, or nothing when it may: a lost or uncertain pose, or a
 /// camera that moved too fast since the frame before.

@@ -1,8 +1,12 @@
 #include "server/pipeline/options.h"
 
 #include <fmt/format.h>
+#include <pwd.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
+#include <cstdlib>
 
 #include "common/program/arguments.h"
 #include "server/capture/prefetching_source.h"
@@ -28,7 +32,29 @@ Result<RigTrackerOptions> tracker_options(const std::string& markers, const std:
   return options;
 }
 
+/// $USER is left out where a service or a container starts the program.
+std::string login_name() {
+  const char* user = std::getenv("USER");
+  if (user != nullptr && *user != '\0') return user;
+  const passwd* entry = ::getpwuid(::geteuid());
+  return entry != nullptr && *entry->pw_name != '\0' ? entry->pw_name : "operator";
+}
+
+/// A name that would break the journal's lines is none.
+std::string check_name(const std::string& name) {
+  const bool is_plain =
+      std::none_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; });
+  return is_plain ? std::string{} : "a name has no control characters";
+}
+
 }  // namespace
+
+OperatorArguments::OperatorArguments() : name{login_name()} {}
+
+void OperatorArguments::add_to(CLI::App& command) {
+  command.add_option("--operator", name, "who the journal says it was; the login name if not given")
+      ->check(CLI::Validator{check_name, ""});
+}
 
 void RecordingArguments::add_to(CLI::App& command, bool poses_allowed) {
   command.add_option("--recording", recording, "folder with rgb.txt, depth.txt and rig.yaml")->required();

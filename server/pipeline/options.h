@@ -32,6 +32,15 @@ struct RecordingArguments {
   bool poses_allowed_ = true;
 };
 
+/// `[--operator NAME]`: who the journal says it was.
+struct OperatorArguments {
+  /// The login name.
+  OperatorArguments();
+  std::string name;
+
+  void add_to(CLI::App& command);
+};
+
 /// `[--threshold 0.02|3sigma] [--model-sigma METRES] [--exact]`: what counts as a change, and how exactly it is looked
 /// for.
 struct ThresholdArguments {

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <utility>
 
+#include "common/base/hash.h"
 #include "server/compare/compare_input.h"
 
 namespace meshloop {
@@ -17,6 +19,35 @@ nlohmann::json box_json(const Box& box) {
   if (box.isEmpty()) return nullptr;
   const auto list = [](const auto& corner) { return std::vector(corner.begin(), corner.end()); };
   return {{"min", list(box.min())}, {"max", list(box.max())}};
+}
+
+nlohmann::json pose_json(const Pose& pose) {
+  const Eigen::Vector3d t = pose.translation();
+  const Eigen::Quaterniond q = Eigen::Quaterniond(pose.linear()).normalized();
+  return {{"translation", {t.x(), t.y(), t.z()}}, {"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}}};
+}
+
+/// The upper triangle, row by row, as rig.yaml has covariances.
+nlohmann::json covariance_json(const PoseCovariance& covariance) {
+  nlohmann::json json = nlohmann::json::array();
+  for (Eigen::Index row = 0; row < 6; ++row) {
+    for (Eigen::Index column = row; column < 6; ++column) json.push_back(covariance(row, column));
+  }
+  return json;
+}
+
+nlohmann::json snapshot_json(const SnapshotInfo& snapshot) {
+  const TrackedPose& pose = snapshot.depth_pose;
+  nlohmann::json refined = nullptr;
+  if (snapshot.refined_T_camera_world) refined = pose_json(snapshot.refined_T_camera_world->inverse());
+  return {{"timestamp", pose.timestamp_s},
+          {"state", name_of(pose.state)},
+          {"T_world_depth", pose_json(pose.T_camera_world.inverse())},
+          {"covariance", covariance_json(pose.covariance)},
+          {"quality", pose.quality},
+          {"inliers", pose.inliers},
+          {"refined_T_world_depth", refined},
+          {"calibration", calibration_name(snapshot.calibration)}};
 }
 
 }  // namespace
@@ -93,7 +124,12 @@ nlohmann::json revision_json(const RevisionInfo& info) {
           {"summary", info.summary},
           {"triangles_added", info.triangles_added},
           {"triangles_removed", info.triangles_removed},
-          {"pictures", info.pictures.size()}};
+          {"pictures", info.pictures.size()},
+          {"snapshot", info.snapshot ? snapshot_json(*info.snapshot) : nlohmann::json(nullptr)}};
+}
+
+std::string calibration_name(const std::string& calibration) {
+  return to_hex(hash_of(std::as_bytes(std::span{calibration})));
 }
 
 }  // namespace meshloop

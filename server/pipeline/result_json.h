@@ -22,6 +22,8 @@ namespace meshloop {
 [[nodiscard]] nlohmann::json times_json(const Examination& examination);
 /// How a snapshot's pose was made better.
 [[nodiscard]] nlohmann::json registration_json(const Registration& registration, const TrackedPose& pose);
+/// The rig of a snapshot is named by the hash of its text (calibration_name).
 [[nodiscard]] nlohmann::json revision_json(const RevisionInfo& info);
+[[nodiscard]] std::string calibration_name(const std::string& calibration);
 
 }  // namespace meshloop

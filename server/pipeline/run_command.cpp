@@ -5,6 +5,7 @@
 
 #include "common/program/arguments.h"
 #include "common/program/stop_signal.h"
+#include "common/recording/recording.h"
 #include "server/pipeline/commands.h"
 #include "server/pipeline/options.h"
 #include "server/pipeline/station.h"
@@ -19,6 +20,7 @@ struct RunArguments {
   std::string scene;
   std::string out;
   ThresholdArguments threshold;
+  OperatorArguments person;
   std::string accept = "none";
   bool fast = false;
 };
@@ -39,10 +41,12 @@ Status run(RunArguments arguments) {
   options.scene = arguments.scene;
   options.out = arguments.out;
   options.accept_all = arguments.accept == "all";
+  options.operator_name = arguments.person.name;
   if (options.link.scene.empty()) options.link.scene = options.scene.stem().string();
   auto frames = arguments.recording.open(true, !arguments.fast);
   if (!frames) return fail(frames.error());
   catch_stop_signals();
+  options.calibration = rig_text(frames->calibration());
   auto station = Station::create(options, frames->rig());
   if (!station) return fail(station.error());
   return (*station)->run(*frames);
@@ -66,6 +70,7 @@ void add_run_command(CLI::App& app, Action& action) {
       ->add_option("--accept", arguments->accept, "what is accepted without asking: all confirmed proposals, or none")
       ->check(CLI::IsMember({"all", "none"}))
       ->capture_default_str();
+  arguments->person.add_to(*command);
   command->add_option("--out", arguments->out,
                       "folder for pictures before and after each revision, and of each confirmed region");
   arguments->station.views.add_to(*command);

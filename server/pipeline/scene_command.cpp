@@ -1,6 +1,8 @@
 // `scene`: the scene file.
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <chrono>
 #include <functional>
 #include <iostream>
 #include <memory>
@@ -10,6 +12,7 @@
 #include "common/program/arguments.h"
 #include "common/program/model_arguments.h"
 #include "server/pipeline/commands.h"
+#include "server/pipeline/options.h"
 #include "server/pipeline/result_json.h"
 
 namespace meshloop {
@@ -20,6 +23,7 @@ struct SceneArguments {
   std::string file;
   ModelArguments model;
   std::optional<Revision> revision;  // none: the present one
+  OperatorArguments person;
   bool json = false;
 };
 
@@ -60,7 +64,7 @@ Status scene_import(const SceneArguments& arguments) {
   }
   RevisionInfo info;
   info.accepted_ns = wall_clock_ns();
-  info.author = "import";
+  info.author = arguments.person.name;
   info.summary = "imported " + std::filesystem::path(arguments.model.file).filename().string();
   info.triangles_added = imported->model.triangle_count();
   auto model = (*store)->commit(edits, std::move(info));
@@ -103,27 +107,46 @@ Status scene_info(const SceneArguments& arguments, SceneStore& store) {
   return {};
 }
 
+void print_revision(const RevisionInfo& info) {
+  const std::chrono::sys_seconds accepted{
+      std::chrono::duration_cast<std::chrono::seconds>(std::chrono::nanoseconds{info.accepted_ns})};
+  std::cout << fmt::format("{:>5}  {:%Y-%m-%dT%H:%M:%SZ}  +{} -{} triangles  {}: {}\n", info.revision, accepted,
+                           info.triangles_added, info.triangles_removed, info.author, info.summary);
+}
+
 Status scene_log(const SceneArguments& arguments, SceneStore& store) {
   const auto log = store.log();
   if (!log) return fail(log.error());
-  nlohmann::json json = nlohmann::json::array();
+  nlohmann::json revisions = nlohmann::json::array();
+  nlohmann::json calibrations = nlohmann::json::object();
   for (const auto& info : *log) {
-    json.push_back(revision_json(info));
     if (!arguments.json) {
-      std::cout << fmt::format("{:>5}  +{} -{} triangles  {}: {}\n", info.revision, info.triangles_added,
-                               info.triangles_removed, info.author, info.summary);
+      print_revision(info);
+      continue;
     }
+    revisions.push_back(revision_json(info));
+    if (info.snapshot) calibrations[calibration_name(info.snapshot->calibration)] = info.snapshot->calibration;
   }
-  if (arguments.json) print_json({{"revisions", json}});
+  if (arguments.json) print_json({{"revisions", revisions}, {"calibrations", calibrations}});
   return {};
 }
 
-template <auto step>
-Status scene_step(const SceneArguments& arguments, SceneStore& store) {
-  const auto model = (store.*step)();
+Status print_result(const SceneArguments& arguments, const Result<std::shared_ptr<const Model>>& model) {
   if (!model) return fail(model.error());
   print_model(arguments, **model);
   return {};
+}
+
+Status scene_undo(const SceneArguments& arguments, SceneStore& store) {
+  return print_result(arguments, store.undo(arguments.person.name));
+}
+
+Status scene_redo(const SceneArguments& arguments, SceneStore& store) {
+  return print_result(arguments, store.redo(arguments.person.name));
+}
+
+Status scene_restore(const SceneArguments& arguments, SceneStore& store) {
+  return print_result(arguments, store.restore(*arguments.revision, arguments.person.name));
 }
 
 CLI::App* add_one(CLI::App& scene, const char* name, const char* help, const std::shared_ptr<SceneArguments>& arguments,
@@ -143,20 +166,30 @@ std::function<Status(const SceneArguments&)> on_store(StoreAction action) {
 
 void add_scene_command(CLI::App& app, Action& action) {
   auto arguments = std::make_shared<SceneArguments>();
-  CLI::App* scene = app.add_subcommand("scene", "the scene file: import, export, info, log, undo, redo");
+  CLI::App* scene = app.add_subcommand("scene", "the scene file: import, export, info, log, undo, redo, restore");
   scene->require_subcommand(1);
   CLI::App* importer =
       add_one(*scene, "import", "add a model file as a new revision; makes the scene file when it is not there",
               arguments, action, scene_import);
   arguments->model.add_to(*importer, "model");
+  arguments->person.add_to(*importer);
   CLI::App* exporter = add_one(*scene, "export", "write the model", arguments, action, on_store(scene_export));
   exporter->add_option("file", arguments->file, "target: .glb, .ply or .obj")->required();
   exporter->add_option("--revision", arguments->revision, "the model as it was then; the present one if not given")
       ->check(counter());
   add_one(*scene, "info", "nodes and triangles", arguments, action, on_store(scene_info));
   add_one(*scene, "log", "the journal of revisions", arguments, action, on_store(scene_log));
-  add_one(*scene, "undo", "go back by one revision", arguments, action, on_store(scene_step<&SceneStore::undo>));
-  add_one(*scene, "redo", "take an undo back", arguments, action, on_store(scene_step<&SceneStore::redo>));
+  CLI::App* undo = add_one(*scene, "undo", "go back by one revision", arguments, action, on_store(scene_undo));
+  arguments->person.add_to(*undo);
+  CLI::App* redo = add_one(*scene, "redo", "take an undo back", arguments, action, on_store(scene_redo));
+  arguments->person.add_to(*redo);
+  CLI::App* restore =
+      add_one(*scene, "restore", "go back to any revision, as a new one that undo takes back; log has their numbers",
+              arguments, action, on_store(scene_restore));
+  restore->add_option("revision", arguments->revision, "the model as it was then; 0: empty")
+      ->required()
+      ->check(counter());
+  arguments->person.add_to(*restore);
 }
 
 }  // namespace meshloop

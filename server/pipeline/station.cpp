@@ -159,7 +159,9 @@ Result<std::optional<Station::Change>> Station::change(const TrackedFrame& track
   const auto title = fmt::format("frame {}, before revision {}, {}", tracked.frame.index,
                                  parts_->store->model()->revision + 1, smallest_change_text(examination));
   change.picture = draw_color(tracked, examination, title);
-  auto acceptance = accept_changes(*parts_->store, proposals, "automatic", change.picture);
+  const Evidence evidence{parts_->options.operator_name + " (automatic)",
+                          snapshot_info(tracked, registration, parts_->options.calibration), change.picture};
+  auto acceptance = accept_changes(*parts_->store, proposals, evidence);
   if (!acceptance) return fail("accepting", acceptance.error());
   publish_or_retry(acceptance->info.accepted_ns);
   change.acceptance = std::move(*acceptance);

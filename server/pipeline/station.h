@@ -20,6 +20,9 @@ struct StationOptions {
   ExaminerOptions examiner;
   /// Accept every confirmed proposal when reason_to_wait has nothing against it; otherwise only show them.
   bool accept_all = false;
+  /// For the journal: whose station it is, and the rig as calibrated (TrackedFrames::calibration as rig_text).
+  std::string operator_name;
+  std::string calibration;
   /// Folder for pictures of each revision and of each confirmed region; none when empty.
   std::filesystem::path out;
   /// How pictures look, and which are written.

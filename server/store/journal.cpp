@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "server/store/blobs.h"
+#include "server/store/schema.h"
+#include "server/store/snapshot_rows.h"
 
 namespace meshloop {
 namespace {
@@ -112,13 +114,19 @@ Result<Place> place_of(Database& database, Revision revision) {
 Result<std::vector<RevisionInfo>> read_journal(Database& database) {
   auto query = database.prepare(fmt::format("{}ORDER BY revision", kInfoColumns));
   if (!query) return fail(query.error());
+  const auto with_snapshots = has_snapshots(database);
+  if (!with_snapshots) return fail(with_snapshots.error());
   std::vector<RevisionInfo> journal;
   for (;;) {
     const auto row = query->step();
     if (!row) return fail(row.error());
     if (!*row) return journal;
-    journal.push_back(info_of(*query));
-    if (auto ok = read_pictures(database, journal.back()); !ok) return fail(ok.error());
+    RevisionInfo& info = journal.emplace_back(info_of(*query));
+    if (auto ok = read_pictures(database, info); !ok) return fail(ok.error());
+    if (!*with_snapshots) continue;
+    auto snapshot = read_snapshot(database, info.revision);
+    if (!snapshot) return fail(snapshot.error());
+    info.snapshot = std::move(*snapshot);
   }
 }
 
@@ -146,7 +154,8 @@ Status append_entry(Database& database, const JournalEntry& entry) {
       .bind(static_cast<std::int64_t>(info.triangles_added))
       .bind(static_cast<std::int64_t>(info.triangles_removed));
   if (auto ok = insert->run(); !ok) return ok;
-  return append_pictures(database, info);
+  if (auto ok = append_pictures(database, info); !ok) return ok;
+  return info.snapshot ? append_snapshot(database, info.revision, *info.snapshot) : Status{};
 }
 
 Result<std::uint64_t> read_counter(Database& database, std::string_view name) {

@@ -1,5 +1,5 @@
 #pragma once
-// The tables `revision`, `picture` and `meta`.
+// The tables `revision`, `picture` and `meta`, and what snapshot_rows.h adds to a revision.
 #include <optional>
 
 #include "server/store/scene_store.h"
@@ -28,11 +28,11 @@ struct JournalEntry {
 /// Refuses a revision that is not in the journal. Revision 0 always is.
 [[nodiscard]] Result<Place> place_of(Database& database, Revision revision);
 
-/// Oldest first, with pictures.
+/// Oldest first, with pictures and snapshots.
 [[nodiscard]] Result<std::vector<RevisionInfo>> read_journal(Database& database);
-/// One entry, without pictures.
+/// One entry, without pictures and snapshot.
 [[nodiscard]] Result<RevisionInfo> read_info(Database& database, Revision revision);
-/// In a transaction.
+/// In a transaction. Refuses a snapshot without a pose.
 [[nodiscard]] Status append_entry(Database& database, const JournalEntry& entry);
 
 [[nodiscard]] Result<std::uint64_t> read_counter(Database& database, std::string_view name);

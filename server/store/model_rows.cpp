@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <map>
 
 #include "server/store/blobs.h"
@@ -48,8 +49,10 @@ Result<Node> read_node(const Database& database, const Statement& row) {
   return node;
 }
 
+/// Bits, not numbers: 0.0 equals -0.0, and what was told to be there must be what comes back.
 bool same(const Node& a, const Node& b) {
-  return a.name == b.name && a.hash == b.hash && a.T_world_node.matrix() == b.T_world_node.matrix();
+  return a.name == b.name && a.hash == b.hash &&
+         std::memcmp(a.T_world_node.data(), b.T_world_node.data(), 16 * sizeof(double)) == 0;
 }
 
 Status end_row(Database& database, NodeId id, Revision revision) {
@@ -110,6 +113,11 @@ Result<Model> read_model(Database& database, Revision revision, const Model& kno
     node->submesh = submesh;
     model.nodes.push_back(std::move(*node));
   }
+}
+
+bool same_content(const Model& a, const Model& b) {
+  return std::equal(a.nodes.begin(), a.nodes.end(), b.nodes.begin(), b.nodes.end(),
+                    [](const Node& one, const Node& other) { return one.id == other.id && same(one, other); });
 }
 
 Status write_difference(Database& database, const Model& before, const Model& after) {

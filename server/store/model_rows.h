@@ -12,6 +12,9 @@ namespace meshloop {
 /// checked, geometry against its hash.
 [[nodiscard]] Result<Model> read_model(Database& database, Revision revision, const Model& known);
 
+/// Bit for bit the same nodes, whatever the revisions.
+[[nodiscard]] bool same_content(const Model& a, const Model& b);
+
 /// Ends the rows of nodes that differ in `after`, and adds their new ones, as of after.revision. In a transaction.
 [[nodiscard]] Status write_difference(Database& database, const Model& before, const Model& after);
 

@@ -12,6 +12,7 @@
 #include "server/store/file_identity.h"
 #include "server/store/journal.h"
 #include "server/store/model_rows.h"
+#include "server/store/returns.h"
 #include "server/store/schema.h"
 #include "server/store/writer_lock.h"
 
@@ -21,16 +22,6 @@ namespace {
 constexpr std::string_view kEpoch = "epoch";
 constexpr std::string_view kNextNodeId = "next_node_id";
 constexpr NodeId kLargestId = static_cast<NodeId>(std::numeric_limits<std::int64_t>::max() - 1);
-
-/// The journal's triangles of a revision that shows no change of its own count both ways.
-RevisionInfo info_of_return(const RevisionInfo& change, bool undone) {
-  RevisionInfo info;
-  info.author = "operator";  // no part of the programs does it by itself
-  info.summary = fmt::format("{} of revision {}", undone ? "undo" : "redo", change.revision);
-  info.triangles_added = undone ? change.triangles_removed : change.triangles_added;
-  info.triangles_removed = undone ? change.triangles_added : change.triangles_removed;
-  return info;
-}
 
 class SqliteSceneStore final : public SceneStore {
  public:
@@ -52,8 +43,13 @@ class SqliteSceneStore final : public SceneStore {
   Result<std::shared_ptr<const Model>> commit(const std::vector<Edit>& edits, RevisionInfo info) override;
   Result<std::shared_ptr<const Model>> commit_unsynced(const std::vector<Edit>& edits, RevisionInfo info) override;
   Status sync() override;
-  Result<std::shared_ptr<const Model>> undo() override { return go_back_or_forth(true); }
-  Result<std::shared_ptr<const Model>> redo() override { return go_back_or_forth(false); }
+  Result<std::shared_ptr<const Model>> undo(const std::string& author) override {
+    return go_back_or_forth(true, author);
+  }
+  Result<std::shared_ptr<const Model>> redo(const std::string& author) override {
+    return go_back_or_forth(false, author);
+  }
+  Result<std::shared_ptr<const Model>> restore(Revision revision, const std::string& author) override;
   Result<std::vector<RevisionInfo>> log() const override;
   Result<std::shared_ptr<const Model>> model_at(Revision revision) const override;
   Result<std::uint64_t> begin_epoch() override;
@@ -66,9 +62,9 @@ class SqliteSceneStore final : public SceneStore {
     Place here;
     Syncing syncing;
   };
-  /// Takes the right to write and checks that this store still shows the last revision.
+  /// Takes the right to write, checks that this store still shows the last revision, and brings the schema up to date.
   Result<Writing> begin_writing(Syncing syncing = Syncing::now);
-  Result<std::shared_ptr<const Model>> go_back_or_forth(bool back);
+  Result<std::shared_ptr<const Model>> go_back_or_forth(bool back, const std::string& author);
   Result<std::shared_ptr<const Model>> commit_locked(const std::vector<Edit>& edits, RevisionInfo info,
                                                      Syncing syncing);
   Result<std::shared_ptr<const Model>> write(Writing writing, Model after, JournalEntry entry, NodeId next_node_id);
@@ -109,6 +105,7 @@ Result<SqliteSceneStore::Writing> SqliteSceneStore::begin_writing(Syncing syncin
     return fail(fmt::format("another program has changed '{}' meanwhile (revision {} became {}); open it again",
                             database_.file().string(), model_->revision, last->revision));
   }
+  if (auto ok = bring_up_to_date(database_); !ok) return fail(ok.error());
   return Writing{std::move(*transaction), *last, syncing};
 }
 
@@ -185,7 +182,7 @@ Result<std::shared_ptr<const Model>> SqliteSceneStore::commit_locked(const std::
   return write(std::move(*writing), std::move(*after), std::move(entry), next_node_id);
 }
 
-Result<std::shared_ptr<const Model>> SqliteSceneStore::go_back_or_forth(bool back) {
+Result<std::shared_ptr<const Model>> SqliteSceneStore::go_back_or_forth(bool back, const std::string& author) {
   const std::scoped_lock lock{mutex_};
   auto writing = begin_writing();
   if (!writing) return fail(writing.error());
@@ -199,7 +196,23 @@ Result<std::shared_ptr<const Model>> SqliteSceneStore::go_back_or_forth(bool bac
   auto after = read_model(database_, *target, *model_);
   if (!after) return fail(after.error());
   after->revision = model_->revision + 1;
-  JournalEntry entry{info_of_return(*change, back), *place};
+  JournalEntry entry{back ? info_of_undo(*change, author) : info_of_redo(*change, author), *place};
+  return write(std::move(*writing), std::move(*after), std::move(entry), next_node_id_);
+}
+
+Result<std::shared_ptr<const Model>> SqliteSceneStore::restore(Revision revision, const std::string& author) {
+  const std::scoped_lock lock{mutex_};
+  auto writing = begin_writing();
+  if (!writing) return fail(writing.error());
+  if (const auto place = place_of(database_, revision); !place) return fail(place.error());
+  auto after = read_model(database_, revision, *model_);
+  if (!after) return fail(after.error());
+  if (same_content(*after, *model_)) {
+    return fail(fmt::format("the scene is as it was at revision {} already", revision));
+  }
+  after->revision = model_->revision + 1;
+  JournalEntry entry{info_of_restore(revision, *model_, *after, author),
+                     {after->revision, after->revision, writing->here.content, std::nullopt}};
   return write(std::move(*writing), std::move(*after), std::move(entry), next_node_id_);
 }
 

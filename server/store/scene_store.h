@@ -3,32 +3,48 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/base/result.h"
+#include "common/geometry/tracked_pose.h"
 #include "common/image/image.h"
 #include "common/mesh/model.h"
 
 namespace meshloop {
+
+/// What a change was measured with.
+struct SnapshotInfo {
+  /// The rig as calibrated: the text of a rig.yaml. The file holds each text once.
+  std::string calibration;
+  /// T_depth_world at the depth image's time, as the comparison was made with; not lost, its covariance finite.
+  TrackedPose depth_pose;
+  /// T_depth_world that new surface was placed with, where a better one than depth_pose was found.
+  std::optional<Pose> refined_T_camera_world;
+};
 
 /// Who, when and why, kept with every revision.
 struct RevisionInfo {
   Revision revision = 0;
   /// The revision it was made from.
   Revision parent = 0;
+  /// Since 1970 (UTC).
   std::int64_t accepted_ns = 0;
+  /// Who accepted it.
   std::string author;
   std::string summary;
   std::size_t triangles_added = 0;
   std::size_t triangles_removed = 0;
   /// PNG files' bytes: the snapshot's pictures (may be empty).
   std::vector<std::vector<std::byte>> pictures;
+  /// Nothing for changes that were not measured (import, undo, redo, restore) and in scenes of schema version 1.
+  std::optional<SnapshotInfo> snapshot;
 };
 
 /// All functions may be called from any thread. Several processes may read one scene; the first that writes (commit,
-/// undo, redo, begin_epoch) is its only writer until it closes the store or dies: the others' writes are errors then.
-/// An error leaves the scene at its last revision.
+/// undo, redo, restore, begin_epoch) is its only writer until it closes the store or dies: the others' writes are
+/// errors then. An error leaves the scene at its last revision.
 class SceneStore {
  public:
   /// Creates the file when it is not there. A damaged or foreign file is refused, unchanged. Where it or its
@@ -42,7 +58,8 @@ class SceneStore {
 
   /// Applies the edits as a new revision after the present one and returns when it is on the disk. Revisions after the
   /// present one (undone ones) stay in the journal, but redo no longer reaches them. The info's revision and parent are
-  /// filled in by the store, accepted_ns too where it is 0. Refuses to add a node under an id that any revision used.
+  /// filled in by the store, accepted_ns too where it is 0. Refuses to add a node under an id that any revision used,
+  /// and a snapshot whose pose is none.
   [[nodiscard]] virtual Result<std::shared_ptr<const Model>> commit(const std::vector<Edit>& edits,
                                                                     RevisionInfo info) = 0;
 
@@ -54,9 +71,16 @@ class SceneStore {
   /// can tell what the disk has then, and the store takes no more changes.
   [[nodiscard]] virtual Status sync() = 0;
 
-  /// Undo and redo are new revisions too: numbers only grow, so that devices never see one number with two contents.
-  [[nodiscard]] virtual Result<std::shared_ptr<const Model>> undo() = 0;
-  [[nodiscard]] virtual Result<std::shared_ptr<const Model>> redo() = 0;
+  /// One step back, one step forth again. They are new revisions too: numbers only grow, so that devices never see one
+  /// number with two contents. Refused where there is nothing to undo or redo.
+  [[nodiscard]] virtual Result<std::shared_ptr<const Model>> undo(const std::string& author) = 0;
+  [[nodiscard]] virtual Result<std::shared_ptr<const Model>> redo(const std::string& author) = 0;
+
+  /// The content of any revision again, undone ones and 0 (the empty scene) included, as a new revision. It is a change
+  /// like an accepted one: undo takes it back, redo after that brings it again, and redo no longer reaches what was
+  /// undone before it. The journal's triangles are the net of each node. Refuses a revision that is not there, and one
+  /// that the present content equals bit for bit.
+  [[nodiscard]] virtual Result<std::shared_ptr<const Model>> restore(Revision revision, const std::string& author) = 0;
 
   /// Oldest first.
   [[nodiscard]] virtual Result<std::vector<RevisionInfo>> log() const = 0;

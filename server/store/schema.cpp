@@ -17,10 +17,11 @@ namespace fs = std::filesystem;
 
 /// "MLOP": how the file command and SQLite tell a scene from other SQLite files.
 constexpr std::int64_t kApplicationId = 0x4d4c4f50;
-constexpr std::int64_t kSchemaVersion = 1;
+constexpr std::int64_t kSchemaVersion = 2;
+constexpr std::int64_t kVersionWithSnapshots = 2;
 
 // README.md, "The file", describes the tables.
-constexpr const char* kSchema = R"sql(
+constexpr const char* kSchemaOfVersion1 = R"sql(
 CREATE TABLE meta(key TEXT PRIMARY KEY, value INTEGER NOT NULL) STRICT, WITHOUT ROWID;
 INSERT INTO meta VALUES('epoch', 0), ('next_node_id', 1);
 CREATE TABLE revision(
@@ -38,6 +39,14 @@ CREATE TABLE node(
   geometry BLOB NOT NULL REFERENCES geometry, PRIMARY KEY(node_id, from_revision)) STRICT;
 CREATE INDEX node_present ON node(node_id) WHERE to_revision IS NULL;
 )sql";
+constexpr const char* kFromVersion1To2 = R"sql(
+CREATE TABLE calibration(hash BLOB PRIMARY KEY, rig TEXT NOT NULL) STRICT;
+CREATE TABLE snapshot(
+  revision INTEGER PRIMARY KEY REFERENCES revision, calibration BLOB NOT NULL REFERENCES calibration,
+  timestamp_s REAL NOT NULL, state TEXT NOT NULL, pose BLOB NOT NULL, covariance BLOB NOT NULL, quality REAL NOT NULL,
+  inliers INTEGER NOT NULL, refined_pose BLOB) STRICT;
+PRAGMA user_version=2;
+)sql";
 
 tl::unexpected<Error> cannot_create(const fs::path& file, int error) {
   return fail(fmt::format("cannot make the scene '{}': {}", file.string(), std::generic_category().message(error)));
@@ -47,10 +56,9 @@ Status fill_new_file(const fs::path& file) {
   auto database = Database::open(file, Database::Access::create);
   if (!database) return fail(database.error());
   if (auto ok = database->run("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; BEGIN"); !ok) return ok;
-  if (auto ok = database->run(kSchema); !ok) return ok;
-  const std::string identity =
-      fmt::format("PRAGMA application_id={}; PRAGMA user_version={}; COMMIT", kApplicationId, kSchemaVersion);
-  return database->run(identity.c_str());
+  if (auto ok = database->run(kSchemaOfVersion1); !ok) return ok;
+  if (auto ok = database->run(kFromVersion1To2); !ok) return ok;
+  return database->run(fmt::format("PRAGMA application_id={}; COMMIT", kApplicationId).c_str());
 }
 
 void remove_with_companions(const fs::path& file) {
@@ -74,8 +82,8 @@ Status check_identity(Database& database) {
   if (*id != kApplicationId) return fail(fmt::format("'{}' is an SQLite file of another program, not a scene", file));
   const auto version = database.integer("PRAGMA user_version");
   if (!version) return fail(version.error());
-  if (*version != kSchemaVersion) {
-    return fail(fmt::format("'{}' has schema version {}, and this program knows {}; use the program that wrote it",
+  if (*version < 1 || *version > kSchemaVersion) {
+    return fail(fmt::format("'{}' has schema version {}, and this program knows 1 to {}; use the program that wrote it",
                             file, *version, kSchemaVersion));
   }
   return {};
@@ -167,6 +175,18 @@ Result<Database> open_scene_file(const fs::path& file) {
   }
   if (auto ok = check_pages(*database); !ok) return fail(ok.error());
   return database;
+}
+
+Result<bool> has_snapshots(Database& database) {
+  const auto version = database.integer("PRAGMA user_version");
+  if (!version) return fail(version.error());
+  return *version >= kVersionWithSnapshots;
+}
+
+Status bring_up_to_date(Database& database) {
+  const auto version = database.integer("PRAGMA user_version");
+  if (!version) return fail(version.error());
+  return *version == 1 ? database.run(kFromVersion1To2) : Status{};
 }
 
 }  // namespace meshloop

@@ -16,4 +16,9 @@ namespace meshloop {
 /// file once it has read the scene.
 [[nodiscard]] Result<Database> open_scene_file(const std::filesystem::path& file);
 
+/// Version 1 has no tables `snapshot` and `calibration`. Such a scene is read as it is.
+[[nodiscard]] Result<bool> has_snapshots(Database& database);
+/// A scene of an earlier version becomes one of the present version. In a transaction, before anything else is written.
+[[nodiscard]] Status bring_up_to_date(Database& database);
+
 }  // namespace meshloop

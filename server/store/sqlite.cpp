@@ -134,6 +134,11 @@ Statement& Statement::bind(std::int64_t value) {
   return *this;
 }
 
+Statement& Statement::bind(double value) {
+  bind_failed_ |= sqlite3_bind_double(statement_.get(), next_parameter_++, value) != SQLITE_OK;
+  return *this;
+}
+
 Statement& Statement::bind(std::string_view text) {
   bind_failed_ |= sqlite3_bind_text64(statement_.get(), next_parameter_++, text.data(), text.size(), SQLITE_STATIC,
                                       SQLITE_UTF8) != SQLITE_OK;
@@ -179,6 +184,10 @@ bool Statement::is_null(int column) const {
 
 std::int64_t Statement::integer(int column) const {
   return sqlite3_column_int64(statement_.get(), column);
+}
+
+double Statement::real(int column) const {
+  return sqlite3_column_double(statement_.get(), column);
 }
 
 std::string Statement::text(int column) const {

@@ -64,6 +64,7 @@ class Statement {
 
   /// Parameters in their order.
   Statement& bind(std::int64_t value);
+  Statement& bind(double value);
   Statement& bind(std::string_view text);
   Statement& bind(std::span<const std::byte> blob);
   Statement& bind_null();
@@ -77,6 +78,7 @@ class Statement {
 
   [[nodiscard]] bool is_null(int column) const;
   [[nodiscard]] std::int64_t integer(int column) const;
+  [[nodiscard]] double real(int column) const;
   [[nodiscard]] std::string text(int column) const;
   /// Valid until the next step.
   [[nodiscard]] std::span<const std::byte> blob(int column) const;

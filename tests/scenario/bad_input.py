@@ -68,6 +68,12 @@ for option in ("--markers", "--poses", "--rig", "--sensor", "--init", "--truth")
 refused("an empty --frames", 2, *detect(frames=""), says="--frames ")
 refused("an empty --accept", 2, STATION, "adjust", "--scene", path / "x.db", "--recording", station, "--frames", "0", "--accept", "",
         says="--accept ")
+refused("a comma too many in --accept", 2, STATION, "adjust", "--scene", path / "x.db", "--recording", station, "--frames", "0",
+        "--accept", "1,", says="not '1,'")
+refused("a comma too many in --frames", 2, *detect(frames="0,"), says="'0,'")
+refused("an operator without a name", 2, STATION, "adjust", "--scene", path / "x.db", "--recording", station, "--frames", "0",
+        "--operator", "", says="--operator ")
+refused("an operator with two lines", 2, STATION, "scene", "undo", "--scene", path / "x.db", "--operator", "a\nb", says="control")
 refused("an empty folder for pictures", 2, DEVICE, "track", "--model", model, "--recording", data / "device_after_move",
         "--init", "pose:0,0,0,0,0,0,1", "--out", path / "p.txt", "--draw=", says="--draw ")
 refused("unknown threshold", 2, *detect("--threshold", "2 apples"))
@@ -196,11 +202,17 @@ for offset in range(100, len(content), max(1, len(content) // 40)):
 refused("a scene with flipped bytes", 1, STATION, "scene", "info", "--scene", write("flipped.db", bytes(content)))
 twice = programs.run(STATION, "adjust", "--scene", scene, "--recording", station, "--frames", "0", "--accept", "1,1", timeout=200)
 programs.check(twice.returncode == 0 and "revision 2" in twice.stdout, f"an id that is given twice counts once: {twice.stdout}{twice.stderr}")
-undone = programs.run(STATION, "scene", "undo", "--scene", scene)
+undone = programs.run(STATION, "scene", "undo", "--scene", scene, "--operator", "anna")
 log = programs.run(STATION, "scene", "log", "--scene", scene).stdout
-programs.check("operator: undo of revision 2" in log, "an undo has an author: " + log)
+programs.check("anna: undo of revision 2" in log, "an undo has an author: " + log)
 programs.run(STATION, "scene", "redo", "--scene", scene)
 refused("nothing to undo to", 1, STATION, "scene", "redo", "--scene", scene)
+refused("no such revision to restore", 1, STATION, "scene", "restore", "--scene", scene, 99, says="has no revision 99")
+refused("a revision that is no number", 2, STATION, "scene", "restore", "--scene", scene, "last", says="last is not")
+refused("no revision to restore", 2, STATION, "scene", "restore", "--scene", scene, says="revision")
+refused("a revision that is there", 1, STATION, "scene", "restore", "--scene", scene, 2, says="as it was at revision 2 already")
+refused("a proposal that is not there", 1, STATION, "adjust", "--scene", scene, "--recording", station, "--frames", "0", "--accept", "977",
+        says="no proposal 977")
 refused("an export of no known kind", 1, STATION, "scene", "export", "--scene", scene, path / "out.xyz")
 refused("an export into nowhere", 1, STATION, "scene", "export", "--scene", scene, path / "no" / "such" / "folder.glb")
 refused("an export of no such revision", 1, STATION, "scene", "export", "--revision", 99, "--scene", scene, path / "o.glb")

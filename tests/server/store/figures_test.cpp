@@ -23,7 +23,7 @@ TEST_F(StoreFigures, DISABLED_CommitAndOpen) {
     store->commit({MoveNode{1, make_pose({1, 0, 0}, Eigen::Quaterniond::Identity())}}, {}).value();
     fmt::print("commit of a move: {:.1f} ms\n", moving.milliseconds());
     const Stopwatch undoing;
-    store->undo().value();
+    store->undo("anna").value();
     fmt::print("undo: {:.1f} ms\n", undoing.milliseconds());
     std::vector<Edit> large;
     for (int i = 0; i < 50; ++i) large.emplace_back(test::add(store->next_node_id() + NodeId(i), 100 + i, 158));

@@ -76,7 +76,7 @@ class HardTimes : public test::SceneFolder {
     std::vector<Edit> edits{add((*store)->next_node_id(), seed, 12)};
     const auto& nodes = (*store)->model()->nodes;
     if (nodes.size() > 4) edits.push_back(RemoveNode{nodes.front().id});
-    const auto model = seed % 7 == 6   ? (*store)->undo()
+    const auto model = seed % 7 == 6   ? (*store)->undo("anna")
                        : seed % 2 == 0 ? (*store)->commit(edits, {})
                                        : (*store)->commit_unsynced(edits, {});
     if (!model || !(*store)->sync()) ::_exit(1);
@@ -135,7 +135,7 @@ TEST_F(HardTimes, AFolderThatMayNotBeWrittenCanBeRead) {
                                     const auto first = (*store)->model_at(1);
                                     const auto log = (*store)->log();
                                     const bool reads = first && (*first)->nodes.size() == 1 && log && log->size() == 2;
-                                    const auto undone = (*store)->undo();
+                                    const auto undone = (*store)->undo("anna");
                                     return reads && !undone &&
                                            undone.error().message.find("cannot be written") != std::string::npos;
                                   }),
@@ -218,7 +218,7 @@ TEST_F(HardTimes, SyncWaitsForTheDiskAndACommitWithoutItDoesNot) {
   EXPECT_EQ(syncs_of_logs.exchange(0), 1);
   ASSERT_TRUE(store->sync());
   EXPECT_EQ(syncs_of_logs, 0) << "nothing was left to bring to the disk";
-  EXPECT_TRUE(store->undo());
+  EXPECT_TRUE(store->undo("anna"));
   EXPECT_GT(syncs_of_logs, 0) << "a later change waits again";
 }
 
@@ -282,7 +282,7 @@ TEST_F(HardTimes, AFailedSyncIsFinal) {
   EXPECT_NE(failed.error().message.find("the disk refused"), std::string::npos) << failed.error().message;
   EXPECT_FALSE(store->sync()) << "the kernel reports a lost page once, and forgets it";
   EXPECT_FALSE(store->commit({add(3, 3)}, {}));
-  EXPECT_FALSE(store->undo());
+  EXPECT_FALSE(store->undo("anna"));
   EXPECT_EQ(store->model()->revision, 2u);
 }
 
@@ -297,7 +297,7 @@ TEST_F(HardTimes, AFileThatWasDeletedOrReplacedTakesNoMoreChanges) {
   // Its log is still there, and would be taken for that of a new scene.
   EXPECT_NE(refusal(scene_).find("is left of a scene"), std::string::npos) << refusal(scene_);
   std::filesystem::copy_file(away, scene_);
-  const auto replaced = store->undo();
+  const auto replaced = store->undo("anna");
   ASSERT_FALSE(replaced);
   EXPECT_NE(replaced.error().message.find("replaced"), std::string::npos) << replaced.error().message;
   std::filesystem::rename(away, scene_);
@@ -309,7 +309,7 @@ TEST_F(HardTimes, ASymbolicLinkLeadsToTheSameLock) {
   const auto writer = open_or_die(scene_);
   writer->commit({add(1, 1)}, {}).value();
   std::filesystem::create_symlink(scene_, link);
-  const auto refused = open_or_die(link, false)->undo();
+  const auto refused = open_or_die(link, false)->undo("anna");
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("another program is writing"), std::string::npos) << refused.error().message;
 }
@@ -353,7 +353,7 @@ TEST_F(HardTimes, OneProgramWritesAndOthersRead) {
     const auto other = open_or_die(scene_, false);
     EXPECT_EQ(other->log().value().size(), 1u);
     EXPECT_EQ(other->model()->nodes.size(), 1u);
-    const auto refused = other->undo();
+    const auto refused = other->undo("anna");
     ASSERT_FALSE(refused);
     EXPECT_NE(refused.error().message.find("another program is writing"), std::string::npos) << refused.error().message;
   }
@@ -388,8 +388,8 @@ TEST_F(HardTimes, ForeignFilesAreRefusedUnchanged) {
 
 TEST_F(HardTimes, ASceneOfANewerSchemaIsRefused) {
   open_or_die(scene_);
-  run_sql("PRAGMA user_version=2");
-  EXPECT_NE(refusal(scene_).find("schema version 2"), std::string::npos) << refusal(scene_);
+  run_sql("PRAGMA user_version=3");
+  EXPECT_NE(refusal(scene_).find("schema version 3"), std::string::npos) << refusal(scene_);
 }
 
 TEST_F(HardTimes, RowsThatContradictEachOtherAreRefused) {
@@ -406,13 +406,14 @@ TEST_F(HardTimes, RowsThatContradictEachOtherAreRefused) {
     return refusal(scene_);
   };
   EXPECT_EQ(damaged_by("SELECT 1"), "");
-  for (const char* sql : {"DELETE FROM geometry", "UPDATE geometry SET positions = x'00'",
-                          "UPDATE geometry SET triangles = zeroblob(length(triangles))",
-                          "UPDATE geometry SET colors = x'010203'", "UPDATE node SET transform = zeroblob(128)",
-                          "UPDATE node SET transform = x''", "UPDATE node SET geometry = x''",
-                          "UPDATE node SET node_id = -node_id", "UPDATE meta SET value = 1 WHERE key = 'next_node_id'",
-                          "DELETE FROM meta", "DROP TABLE node", "UPDATE revision SET undo_content = 7",
-                          "UPDATE revision SET content = 9", "UPDATE revision SET redo_revision = revision"}) {
+  for (const char* sql :
+       {"DELETE FROM geometry", "UPDATE geometry SET positions = x'00'",
+        "UPDATE geometry SET triangles = zeroblob(length(triangles))", "UPDATE geometry SET colors = x'010203'",
+        "UPDATE node SET transform = zeroblob(128)", "UPDATE node SET transform = x''",
+        "UPDATE node SET geometry = x''", "UPDATE node SET node_id = -node_id",
+        "UPDATE meta SET value = 1 WHERE key = 'next_node_id'", "DELETE FROM meta", "DROP TABLE node",
+        "UPDATE revision SET undo_content = 7", "UPDATE revision SET content = 9",
+        "UPDATE revision SET redo_revision = revision", "PRAGMA user_version=0"}) {
     EXPECT_NE(damaged_by(sql), "") << sql;
   }
   EXPECT_NE(damaged_by("CREATE TRIGGER t AFTER INSERT ON revision BEGIN DELETE FROM node; END"), "");
@@ -433,7 +434,7 @@ TEST_F(HardTimes, FlippedBytesNeverCrashAndNeverChangeAnything) {
   {
     const auto store = open_or_die(scene_);
     for (int i = 1; i <= 6; ++i) store->commit({add(static_cast<NodeId>(i), i, 8)}, {}).value();
-    store->undo().value();
+    store->undo("anna").value();
   }
   const std::string whole = content_of(scene_);
   std::mt19937 random{31};

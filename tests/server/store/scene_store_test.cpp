@@ -25,8 +25,8 @@ TEST_F(Store, StartsEmptyAtRevisionZeroAndLeavesOneFile) {
     EXPECT_TRUE(store->model()->nodes.empty());
     EXPECT_EQ(store->next_node_id(), 1u);
     EXPECT_TRUE(store->log().value().empty());
-    EXPECT_EQ(store->undo().error().message, "there is nothing to undo");
-    EXPECT_EQ(store->redo().error().message, "there is nothing to redo");
+    EXPECT_EQ(store->undo("anna").error().message, "there is nothing to undo");
+    EXPECT_EQ(store->redo("anna").error().message, "there is nothing to redo");
   }
   EXPECT_TRUE(open_or_die(scene_, false)->model()->nodes.empty());
 }
@@ -79,19 +79,19 @@ TEST_F(Store, UndoAndRedoAreNewRevisions) {
   const auto one = store->commit({add(1, 1)}, {}).value();
   const auto two = store->commit({add(2, 2)}, {}).value();
   const auto three = store->commit({RemoveNode{1}, replace(2, 3)}, {}).value();
-  const auto four = store->undo().value();
+  const auto four = store->undo("anna").value();
   EXPECT_EQ(four->revision, 4u);
   expect_same_content(*four, *two);
-  expect_same_content(*store->undo().value(), *one);
-  EXPECT_TRUE(store->undo().value()->nodes.empty());
-  EXPECT_FALSE(store->undo());
-  expect_same_content(*store->redo().value(), *one);
-  expect_same_content(*store->redo().value(), *two);
-  const auto last = store->redo().value();
+  expect_same_content(*store->undo("anna").value(), *one);
+  EXPECT_TRUE(store->undo("anna").value()->nodes.empty());
+  EXPECT_FALSE(store->undo("anna"));
+  expect_same_content(*store->redo("anna").value(), *one);
+  expect_same_content(*store->redo("anna").value(), *two);
+  const auto last = store->redo("anna").value();
   expect_same_content(*last, *three);
   EXPECT_EQ(last->revision, 9u);
-  EXPECT_FALSE(store->redo());
-  expect_same_content(*store->undo().value(), *two);
+  EXPECT_FALSE(store->redo("anna"));
+  expect_same_content(*store->undo("anna").value(), *two);
   const auto log = store->log().value();
   ASSERT_EQ(log.size(), 10u);
   for (std::size_t i = 0; i < log.size(); ++i) {
@@ -100,8 +100,8 @@ TEST_F(Store, UndoAndRedoAreNewRevisions) {
   }
   EXPECT_EQ(log[3].summary, "undo of revision 3");
   EXPECT_EQ(log[8].summary, "redo of revision 3");
-  EXPECT_EQ(log[3].author, "operator");
-  EXPECT_EQ(log[8].author, "operator");
+  EXPECT_EQ(log[3].author, "anna");
+  EXPECT_EQ(log[8].author, "anna");
 }
 
 TEST_F(Store, UndoSwapsTheTrianglesOfTheJournal) {
@@ -110,8 +110,8 @@ TEST_F(Store, UndoSwapsTheTrianglesOfTheJournal) {
   info.triangles_added = 5;
   info.triangles_removed = 2;
   store->commit({add(1, 1)}, info).value();
-  store->undo().value();
-  store->redo().value();
+  store->undo("anna").value();
+  store->redo("anna").value();
   const auto log = store->log().value();
   EXPECT_EQ(log[1].triangles_added, 2u);
   EXPECT_EQ(log[1].triangles_removed, 5u);
@@ -122,11 +122,11 @@ TEST_F(Store, ACommitAfterUndoMakesRedoUnreachableButKeepsTheRevision) {
   const auto store = open_or_die(scene_);
   store->commit({add(1, 1)}, {}).value();
   const auto undone = store->commit({add(2, 2)}, {}).value();
-  store->undo().value();
+  store->undo("anna").value();
   store->commit({add(3, 3)}, {}).value();
-  EXPECT_FALSE(store->redo());
+  EXPECT_FALSE(store->redo("anna"));
   expect_same_content(*store->model_at(2).value(), *undone);
-  const auto back = store->undo().value();
+  const auto back = store->undo("anna").value();
   ASSERT_EQ(back->nodes.size(), 1u);
   EXPECT_EQ(back->nodes[0].id, 1u);
 }
@@ -134,8 +134,8 @@ TEST_F(Store, ACommitAfterUndoMakesRedoUnreachableButKeepsTheRevision) {
 TEST_F(Store, UndoWorksAfterReopening) {
   open_or_die(scene_)->commit({add(1, 1)}, {}).value();
   open_or_die(scene_)->commit({add(2, 2)}, {}).value();
-  EXPECT_EQ(open_or_die(scene_)->undo().value()->nodes.size(), 1u);
-  EXPECT_EQ(open_or_die(scene_)->redo().value()->nodes.size(), 2u);
+  EXPECT_EQ(open_or_die(scene_)->undo("anna").value()->nodes.size(), 1u);
+  EXPECT_EQ(open_or_die(scene_)->redo("anna").value()->nodes.size(), 2u);
 }
 
 TEST_F(Store, EveryRevisionOfARandomHistoryComesBack) {
@@ -156,7 +156,7 @@ TEST_F(Store, EveryRevisionOfARandomHistoryComesBack) {
         if (kind == 2) edits.push_back(MoveNode{id, make_pose({seed * 0.1, 0, 0}, Eigen::Quaterniond::Identity())});
       }
       const auto dice = random() % 6;
-      auto next = dice == 0 ? store->undo() : dice == 1 ? store->redo() : store->commit(edits, {});
+      auto next = dice == 0 ? store->undo("anna") : dice == 1 ? store->redo("anna") : store->commit(edits, {});
       if (next) history.push_back(*next);
     }
   }
@@ -215,8 +215,8 @@ TEST_F(Store, NodeIdsAreNeverFreeAgain) {
     const auto store = open_or_die(scene_);
     store->commit({add(40, 1)}, {}).value();
     store->commit({RemoveNode{40}}, {}).value();
-    store->undo().value();
-    store->undo().value();
+    store->undo("anna").value();
+    store->undo("anna").value();
   }
   EXPECT_EQ(open_or_die(scene_)->next_node_id(), 41u);
 }
