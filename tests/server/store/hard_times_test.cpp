@@ -1,4 +1,6 @@
-// What happens to a scene outside the plan: a killed process, a full disk, a second program, a damaged file.
+// What happens to a scene outside the plan: a full disk, a second program, a damaged file. killed_test.cpp: a killed
+// process.
+// damaged file.
 #include <fmt/format.h>
 #include <signal.h>
 #include <sqlite3.h>
@@ -9,7 +11,6 @@
 
 #include <atomic>
 #include <cerrno>
-#include <chrono>
 #include <functional>
 #include <random>
 #include <thread>
@@ -67,44 +68,6 @@ class HardTimes : public test::SceneFolder {
     sqlite3_close(database);
   }
 };
-
-/// Runs in a child process: commits, and says each number once the commit has returned.
-[[noreturn]] void commit_for_ever(const std::filesystem::path& scene, int out) {
-  const auto store = SceneStore::open(scene, true);
-  if (!store) ::_exit(1);
-  for (int seed = 0;; ++seed) {
-    std::vector<Edit> edits{add((*store)->next_node_id(), seed, 12)};
-    const auto& nodes = (*store)->model()->nodes;
-    if (nodes.size() > 4) edits.push_back(RemoveNode{nodes.front().id});
-    const auto model = seed % 7 == 6   ? (*store)->undo("anna")
-                       : seed % 2 == 0 ? (*store)->commit(edits, {})
-                                       : (*store)->commit_unsynced(edits, {});
-    if (!model || !(*store)->sync()) ::_exit(1);
-    const std::uint64_t number = (*model)->revision;
-    if (::write(out, &number, sizeof number) != sizeof number) ::_exit(1);
-  }
-}
-
-/// The last revision that the child reported before it was killed. The delay starts with its first report, or with the
-/// child itself, to hit the opening too.
-std::uint64_t kill_while_committing(const std::filesystem::path& scene, bool await_report,
-                                    std::chrono::microseconds delay) {
-  int ends[2];
-  EXPECT_EQ(::pipe(ends), 0);
-  const pid_t child = ::fork();
-  if (child == 0) commit_for_ever(scene, ends[1]);
-  ::close(ends[1]);
-  std::uint64_t number = 0, last = 0;
-  if (await_report && ::read(ends[0], &number, sizeof number) == sizeof number) last = number;
-  std::this_thread::sleep_for(delay);
-  ::kill(child, SIGKILL);
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  EXPECT_TRUE(WIFSIGNALED(status)) << "the child ended by itself";
-  while (::read(ends[0], &number, sizeof number) == sizeof number) last = number;
-  ::close(ends[0]);
-  return last;
-}
 
 /// What the child says while the folder has these rights; for root, who may write everywhere, as nobody.
 int exit_code_with_rights(int rights, const std::filesystem::path& folder, const std::function<bool()>& is_as_wanted) {
@@ -183,27 +146,6 @@ TEST_F(HardTimes, AReadingWithoutALogNoticesAWriter) {
   ::close(ends[1]);  // a child that did not ask must not keep the writer waiting
   writer.join();
   for (const int fd : {ends[0], answers[0], answers[1]}) ::close(fd);
-}
-
-TEST_F(HardTimes, EveryReportedRevisionSurvivesKillNineAtAnyMoment) {
-  std::mt19937 random{21};
-  std::uint64_t reported = 0;
-  for (int round = 0; round < 20; ++round) {
-    const std::chrono::microseconds delay{random() % 60'000};
-    reported = std::max(reported, kill_while_committing(scene_, round % 4 != 0, delay));
-    if (!std::filesystem::exists(scene_)) continue;
-    const auto store = SceneStore::open(scene_, false);
-    ASSERT_TRUE(store) << store.error().message;
-    ASSERT_GE((*store)->model()->revision, reported);
-    const auto log = (*store)->log();
-    ASSERT_TRUE(log) << log.error().message;
-    ASSERT_EQ(log->size(), (*store)->model()->revision);
-    for (Revision revision = reported > 20 ? reported - 20 : 0; revision <= reported; ++revision) {
-      ASSERT_TRUE((*store)->model_at(revision)) << revision;
-    }
-    reported = (*store)->model()->revision;
-  }
-  EXPECT_GE(reported, 15u) << "the children hardly committed";
 }
 
 TEST_F(HardTimes, SyncWaitsForTheDiskAndACommitWithoutItDoesNot) {
