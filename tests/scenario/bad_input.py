@@ -211,6 +211,12 @@ refused("no such revision to restore", 1, STATION, "scene", "restore", "--scene"
 refused("a revision that is no number", 2, STATION, "scene", "restore", "--scene", scene, "last", says="last is not")
 refused("no revision to restore", 2, STATION, "scene", "restore", "--scene", scene, says="revision")
 refused("a revision that is there", 1, STATION, "scene", "restore", "--scene", scene, 2, says="as it was at revision 2 already")
+restored = programs.run(STATION, "scene", "restore", "--scene", scene, 1)
+for name, revision in (("then", 1), ("now", 5)):
+    programs.run(STATION, "scene", "export", "--scene", scene, path / f"{name}.ply", "--revision", revision)
+programs.check("revision 5" in restored.stdout and (path / "then.ply").read_bytes() == (path / "now.ply").read_bytes(),
+               f"what is restored is what was there: {restored.stdout}{restored.stderr}")
+programs.run(STATION, "scene", "undo", "--scene", scene)
 refused("a proposal that is not there", 1, STATION, "adjust", "--scene", scene, "--recording", station, "--frames", "0", "--accept", "977",
         says="no proposal 977")
 refused("an export of no known kind", 1, STATION, "scene", "export", "--scene", scene, path / "out.xyz")
