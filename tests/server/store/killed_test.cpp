@@ -175,7 +175,7 @@ class Killed : public test::SceneFolder {
 
   std::size_t kills_while(Doing doing) const { return killed_while_[static_cast<std::size_t>(doing)]; }
   std::string kills() const {
-    std::map<std::string, int> counts;
+    std::map<std::string, std::size_t> counts;
     for (std::size_t i = 0; i < kDoings; ++i) counts[kNames[i]] = killed_while_[i];
     return fmt::format("{}", counts);
   }
@@ -193,7 +193,7 @@ class Killed : public test::SceneFolder {
   }
 
   std::atomic<Doing>* doing_ = nullptr;
-  std::array<int, kDoings> killed_while_{};
+  std::array<std::size_t, kDoings> killed_while_{};
 };
 
 TEST_F(Killed, LosesNoReportedRevisionAndAlwaysLeavesASceneThatOpens) {
