@@ -12,6 +12,7 @@
 #include "server/pipeline/adjuster.h"
 #include "server/pipeline/commands.h"
 #include "server/pipeline/options.h"
+#include "server/pipeline/recent_depths.h"
 #include "server/pipeline/result_json.h"
 #include "server/pipeline/views.h"
 
@@ -25,6 +26,7 @@ struct AdjustArguments {
   ThresholdArguments threshold;
   std::string accept;
   OperatorArguments person;
+  SurfaceArguments surface;
   ViewArguments views;
   bool json = false;
 };
@@ -36,6 +38,10 @@ struct AdjustRun {
   /// For the journal.
   std::string author;
   std::string calibration;
+  AdjustOptions options;
+  /// Frames that may be fused with a listed one.
+  RecentDepths recent{1};
+  std::optional<TrackedPose> previous_pose;
   nlohmann::json results = nlohmann::json::array();
 };
 
@@ -44,6 +50,8 @@ Result<AdjustRun> make_run(const AdjustArguments& arguments) {
   auto frames = parse_frame_list(arguments.frames);
   if (!frames) return fail(frames.error());
   run.frames = std::move(*frames);
+  run.options = arguments.surface.adjust_options();
+  run.recent = RecentDepths{static_cast<std::size_t>(arguments.surface.fuse)};
   run.accept_all = arguments.accept == "all";
   if (!run.accept_all && !arguments.accept.empty()) {
     auto ids = parse_frame_list(arguments.accept);
@@ -90,8 +98,8 @@ nlohmann::json proposal_json(const Proposal& proposal) {
 Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const Rig& rig, Examiner& examiner, Views& views,
                     SceneStore& store) {
   nlohmann::json result{{"index", tracked.frame.index}, {"revision", nullptr}, {"proposals", nlohmann::json::array()}};
-  if (tracked.depth_pose.state == TrackState::lost) {
-    result["reason"] = "the pose is lost";
+  if (const auto reason = reason_against(tracked.depth_pose)) {
+    result["reason"] = *reason;
     run.results.push_back(std::move(result));
     return {};
   }
@@ -99,7 +107,9 @@ Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const Rig& rig,
   auto examination = examiner.examine(tracked, *store.model());
   if (!examination) return fail(fmt::format("frame {}", tracked.frame.index), examination.error());
   const Stopwatch watch;
-  const auto [proposals, registration] = propose_changes(tracked, *examination, rig, store);
+  const auto [proposals, registration, fused] =
+      propose_changes(tracked, *examination, run.recent.before(tracked, 0), rig, store, run.options);
+  result["frames_fused"] = fused;
   result["time_ms"] = {{"snapshot", watch.milliseconds()}};
   result["registration"] = registration_json(registration, tracked.depth_pose);
   for (const auto& proposal : proposals) result["proposals"].push_back(proposal_json(proposal));
@@ -155,6 +165,9 @@ Status adjust_all(AdjustRun& run, TrackedFrames& frames, Examiner& examiner, Vie
     if (!tracked) return fail(tracked.error());
     if (!*tracked) break;
     read = (*tracked)->frame.index + 1;
+    const bool is_sharp = !reason_to_wait(**tracked, run.previous_pose);
+    run.previous_pose = (*tracked)->depth_pose;
+    if (is_sharp) run.recent.add(**tracked);
     if (!std::binary_search(run.frames.begin(), run.frames.end(), read - 1)) continue;
     if (auto done = adjust_frame(run, **tracked, frames.rig(), examiner, views, store); !done) return done;
   }
@@ -200,6 +213,7 @@ void add_adjust_command(CLI::App& app, Action& action) {
   arguments->threshold.add_to(*command);
   command->add_option("--accept", arguments->accept,
                       "all, or ids of proposals (1,3), each of which counts once; nothing is accepted if not given");
+  arguments->surface.add_to(*command);
   arguments->person.add_to(*command);
   arguments->views.add_colors_to(*command);
   command->add_flag("--json", arguments->json, "proposals and revisions as JSON on stdout");

@@ -21,12 +21,17 @@ double position_sigma(const TrackedPose& pose) {
 
 }  // namespace
 
+std::optional<std::string> reason_against(const TrackedPose& depth_pose) {
+  if (depth_pose.state == TrackState::lost) return "the pose is lost";
+  if (!(position_sigma(depth_pose) < kMaxPositionSigma_m)) {
+    return fmt::format("the pose is uncertain by {:.1f} mm", 1000 * position_sigma(depth_pose));
+  }
+  return std::nullopt;
+}
+
 std::optional<std::string> reason_to_wait(const TrackedFrame& tracked, const std::optional<TrackedPose>& previous) {
   const TrackedPose& pose = tracked.depth_pose;
-  if (pose.state == TrackState::lost) return "the pose is lost";
-  if (!(position_sigma(pose) < kMaxPositionSigma_m)) {
-    return fmt::format("the pose is uncertain by {:.1f} mm", 1000 * position_sigma(pose));
-  }
+  if (auto reason = reason_against(pose)) return reason;
   if (!previous || previous->state == TrackState::lost) return "the camera's motion is not known yet";
   const double seconds = pose.timestamp_s - previous->timestamp_s;
   const Twist motion = log(pose.T_camera_world * previous->T_camera_world.inverse());
@@ -37,20 +42,30 @@ std::optional<std::string> reason_to_wait(const TrackedFrame& tracked, const std
   return std::nullopt;
 }
 
-ProposedChanges propose_changes(const TrackedFrame& tracked, const Examination& examination, const Rig& rig,
-                                const SceneStore& store) {
+ProposedChanges propose_changes(const TrackedFrame& tracked, const Examination& examination,
+                                const std::vector<DepthView>& before, const Rig& rig, const SceneStore& store,
+                                const AdjustOptions& options) {
   const auto model = store.model();
   Snapshot snapshot{.model = model.get(),
                     .frame = &tracked.frame,
                     .rig = &rig,
                     .depth_pose = tracked.depth_pose,
                     .refined_T_camera_world = std::nullopt,
+                    .fused = nullptr,
                     .comparison = &examination.comparison,
                     .regions = &examination.regions};
   ProposedChanges changes;
   changes.registration = refine_pose(snapshot);
   snapshot.refined_T_camera_world = changes.registration.T_camera_world;
-  changes.proposals = propose(snapshot, store.next_node_id(), {});
+  FusedDepth fused;
+  if (!before.empty()) {
+    std::vector<DepthView> views{{&tracked.frame.depth, tracked.depth_pose.T_camera_world}};
+    views.insert(views.end(), before.begin(), before.end());
+    fused = fuse_depth(views, rig.depth, rig.sensor, fused_pixels(examination.regions));
+    snapshot.fused = &fused;
+    changes.frames = views.size();
+  }
+  changes.proposals = propose(snapshot, store.next_node_id(), options);
   return changes;
 }
 

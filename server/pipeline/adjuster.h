@@ -22,9 +22,13 @@ struct Acceptance {
 struct ProposedChanges {
   std::vector<Proposal> proposals;
   Registration registration;
+  /// Of how many frames new surface was made.
+  std::size_t frames = 1;
 };
+/// `before`: further frames that measured the same state of the world.
 [[nodiscard]] ProposedChanges propose_changes(const TrackedFrame& tracked, const Examination& examination,
-                                              const Rig& rig, const SceneStore& store);
+                                              const std::vector<DepthView>& before, const Rig& rig,
+                                              const SceneStore& store, const AdjustOptions& options);
 
 /// The frame for the journal. `calibration`: TrackedFrames::calibration as rig_text.
 [[nodiscard]] SnapshotInfo snapshot_info(const TrackedFrame& tracked, const Registration& registration,
@@ -40,6 +44,9 @@ struct Evidence {
 /// change shall not wait for that.
 [[nodiscard]] Result<Acceptance> accept_changes(SceneStore& store, const std::vector<Proposal>& accepted,
                                                 const Evidence& evidence);
+
+/// Why nothing may be written to the model with this pose, or nothing when it may: it is lost or uncertain.
+[[nodiscard]] std::optional<std::string> reason_against(const TrackedPose& depth_pose);
 
 /// Why nothing may be written to the model from this frame, or nothing when it may: a lost or uncertain pose, or a
 /// camera that moved too fast since the frame before.

@@ -56,6 +56,29 @@ void OperatorArguments::add_to(CLI::App& command) {
       ->check(CLI::Validator{check_name, ""});
 }
 
+void SurfaceArguments::add_to(CLI::App& command) {
+  command
+      .add_option(
+          "--fuse", fuse,
+          "make new surface of this frame and those before it, so many in all; frames whose pose is uncertain or "
+          "that moved too fast are left out")
+      ->check(CLI::Range(1, static_cast<int>(kMostFusedViews)))
+      ->capture_default_str();
+  command
+      .add_option(
+          "--decimate", decimate_sigmas,
+          "leave out triangles of new surface as long as it stays within so many sigma of the sensor's noise, and "
+          "its brightness within 12 levels of 255; 0: keep all")
+      ->check(between(0, 3))
+      ->capture_default_str();
+}
+
+AdjustOptions SurfaceArguments::adjust_options() const {
+  AdjustOptions options;
+  options.decimate_sigmas = decimate_sigmas;
+  return options;
+}
+
 void RecordingArguments::add_to(CLI::App& command, bool poses_allowed) {
   command.add_option("--recording", recording, "folder with rgb.txt, depth.txt and rig.yaml")->required();
   if (poses_allowed) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/change/comparison.h"
+#include "server/adjust/proposal.h"
 #include "server/pipeline/examiner.h"
 #include "server/pipeline/tracked_frames.h"
 
@@ -39,6 +40,16 @@ struct OperatorArguments {
   std::string name;
 
   void add_to(CLI::App& command);
+};
+
+/// `[--fuse N] [--decimate SIGMAS]`: how new surface is made.
+struct SurfaceArguments {
+  /// Frames of a snapshot.
+  int fuse = 1;
+  double decimate_sigmas = 0;
+
+  void add_to(CLI::App& command);
+  [[nodiscard]] AdjustOptions adjust_options() const;
 };
 
 /// `[--threshold 0.02|3sigma] [--model-sigma METRES] [--exact]`: what counts as a change, and how exactly it is looked

@@ -21,6 +21,7 @@ struct RunArguments {
   std::string out;
   ThresholdArguments threshold;
   OperatorArguments person;
+  SurfaceArguments surface;
   std::string accept = "none";
   bool fast = false;
 };
@@ -42,6 +43,8 @@ Status run(RunArguments arguments) {
   options.out = arguments.out;
   options.accept_all = arguments.accept == "all";
   options.operator_name = arguments.person.name;
+  options.frames_fused = arguments.surface.fuse;
+  options.adjust = arguments.surface.adjust_options();
   if (options.link.scene.empty()) options.link.scene = options.scene.stem().string();
   auto frames = arguments.recording.open(true, !arguments.fast);
   if (!frames) return fail(frames.error());
@@ -70,6 +73,8 @@ void add_run_command(CLI::App& app, Action& action) {
       ->add_option("--accept", arguments->accept, "what is accepted without asking: all confirmed proposals, or none")
       ->check(CLI::IsMember({"all", "none"}))
       ->capture_default_str();
+  arguments->surface.fuse = 8;
+  arguments->surface.add_to(*command);
   arguments->person.add_to(*command);
   command->add_option("--out", arguments->out,
                       "folder for pictures before and after each revision, and of each confirmed region");

@@ -10,6 +10,7 @@
 #include "common/base/log.h"
 #include "common/image/image_file.h"
 #include "common/program/stop_signal.h"
+#include "server/pipeline/recent_depths.h"
 #include "server/pipeline/region_pictures.h"
 #include "server/pipeline/result_json.h"
 
@@ -41,6 +42,7 @@ struct Station::Parts {
   /// When the newest revision was accepted, while it could not be published.
   std::optional<std::int64_t> unpublished_ns;
   RegionPictures region_pictures;
+  RecentDepths recent;
   std::unique_ptr<InFlight> in_flight;
 };
 
@@ -77,6 +79,7 @@ Result<std::unique_ptr<Station>> Station::create(const StationOptions& options, 
                                          .last_publish = {},
                                          .unpublished_ns = std::nullopt,
                                          .region_pictures = RegionPictures{options.out},
+                                         .recent = RecentDepths{static_cast<std::size_t>(options.frames_fused)},
                                          .in_flight = nullptr}};
   std::unique_ptr<Station> station{new Station{std::move(parts)}};
   const auto model = station->parts_->store->model();
@@ -151,8 +154,11 @@ nlohmann::json Station::confirmed_json(const TrackedFrame& tracked, const Examin
 
 Result<std::optional<Station::Change>> Station::change(const TrackedFrame& tracked, Examination examination) {
   const Stopwatch snapshot_watch;
-  auto [proposals, registration] = propose_changes(tracked, examination, parts_->rig, *parts_->store);
+  const int first = first_frame_of(examination.regions, tracked.frame.index);
+  auto [proposals, registration, frames] = propose_changes(tracked, examination, parts_->recent.before(tracked, first),
+                                                           parts_->rig, *parts_->store, parts_->options.adjust);
   Change change;
+  change.frames = frames;
   change.registration = registration_json(registration, tracked.depth_pose);
   change.snapshot_ms = snapshot_watch.milliseconds();
   if (proposals.empty()) return std::nullopt;
@@ -223,6 +229,7 @@ void Station::tell_revision(const TrackedFrame& tracked, const Change& change, d
         {"devices", parts_->publisher.readers()},
         {"summary", info.summary},
         {"registration", change.registration},
+        {"frames_fused", change.frames},
         {"time_ms",
          {{"snapshot", change.snapshot_ms},
           {"commit", change.acceptance.commit_ms},
@@ -234,6 +241,7 @@ void Station::begin(TrackedFrame tracked) {
   if (parts_->unpublished_ns) publish_or_retry(*parts_->unpublished_ns);
   auto wait = reason_to_wait(tracked, parts_->previous_pose);
   parts_->previous_pose = tracked.depth_pose;
+  if (!wait) parts_->recent.add(tracked);
   nlohmann::json event{{"event", "frame"},
                        {"index", tracked.frame.index},
                        {"timestamp", tracked.frame.depth_timestamp_s},

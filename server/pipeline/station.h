@@ -20,6 +20,9 @@ struct StationOptions {
   ExaminerOptions examiner;
   /// Accept every confirmed proposal when reason_to_wait has nothing against it; otherwise only show them.
   bool accept_all = false;
+  AdjustOptions adjust;
+  /// New surface is made of at most so many frames, of those since its region is there.
+  int frames_fused = 8;
   /// For the journal: whose station it is, and the rig as calibrated (TrackedFrames::calibration as rig_text).
   std::string operator_name;
   std::string calibration;
@@ -60,6 +63,7 @@ class Station {
     Examination examination;
     ColorImage picture;
     nlohmann::json registration;
+    std::size_t frames = 1;
     double snapshot_ms = 0;
   };
   /// Everything that a frame says: one revision or two, published, brought to the disk and told.

@@ -104,7 +104,7 @@ ChangingRoom::Look ChangingRoom::look(const SceneStore& store) {
   examination.regions =
       RegionTracker{options}.update(examination.comparison, frame.depth, kCamera, pose.T_camera_world);
   settle_labels(examination.comparison, examination.regions);
-  look.changes = propose_changes(look.tracked, examination, rig_, store);
+  look.changes = propose_changes(look.tracked, examination, {}, rig_, store, {});
   return look;
 }
 
