@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 
 #include "server/adjust/color_lookup.h"
+#include "server/adjust/find_moves.h"
+#include "server/adjust/move_edits.h"
 #include "server/adjust/patch.h"
 #include "server/adjust/removal.h"
 
@@ -63,7 +66,7 @@ using Removals = std::map<NodeId, Removal>;
 Status add_removals(const Model& model, const Proposal& proposal, Removals& removals) {
   for (const auto& removal : proposal.removed) {
     const Node* node = model.find(removal.node);
-    if (node == nullptr || node->hash != removal.hash) {
+    if (node == nullptr || node->hash != removal.hash || !node->T_world_node.isApprox(removal.T_world_node, 1e-9)) {
       return fail(fmt::format("proposal {} was made for another revision of node {}; take a new snapshot", proposal.id,
                               removal.node));
     }
@@ -79,12 +82,12 @@ Status add_removals(const Model& model, const Proposal& proposal, Removals& remo
   return {};
 }
 
-}  // namespace
-
-std::vector<Proposal> propose(const Snapshot& snapshot, NodeId next_node_id, const AdjustOptions& options) {
-  if (!adjust::validate(snapshot)) return {};
-  const adjust::ColorLookup colors{snapshot};
+// One for each confirmed region. `moving` stays out of removals.
+std::vector<Proposal> propose_regions(const Snapshot& snapshot, const std::map<NodeId, std::vector<bool>>& moving,
+                                      const adjust::ColorLookup& colors, NodeId& next_node_id,
+                                      const AdjustOptions& options) {
   auto removed = adjust::find_removed(snapshot, options);
+  for (auto& [region, removals] : removed) adjust::keep_what_moves(moving, removals);
   std::vector<Proposal> proposals;
   for (const auto& region : snapshot.regions->regions) {
     if (!region.confirmed || region.kind == ChangeKind::none) continue;
@@ -95,6 +98,20 @@ std::vector<Proposal> propose(const Snapshot& snapshot, NodeId next_node_id, con
     if (!proposal.edits.empty()) proposals.push_back(std::move(proposal));
   }
   return proposals;
+}
+
+}  // namespace
+
+std::vector<Proposal> propose(const Snapshot& snapshot, NodeId next_node_id, const AdjustOptions& options) {
+  if (!adjust::validate(snapshot)) return {};
+  const adjust::ColorLookup colors{snapshot};
+  if (!options.moves) return propose_regions(snapshot, {}, colors, next_node_id, options);
+  auto found = adjust::find_moves(snapshot, colors, next_node_id);
+  Snapshot rest = snapshot;
+  if (!found.proposals.empty()) rest.regions = &found.left;
+  auto others = propose_regions(rest, found.moving, colors, next_node_id, options);
+  std::move(others.begin(), others.end(), std::back_inserter(found.proposals));
+  return std::move(found.proposals);
 }
 
 Result<MergedEdits> merge_edits(const Model& model, const std::vector<Proposal>& accepted) {
@@ -111,15 +128,19 @@ Result<MergedEdits> merge_edits(const Model& model, const std::vector<Proposal>&
                                 addition->node.id));
       }
       merged.edits.push_back(edit);
-      merged.triangles_added += addition->node.submesh->triangles.size();
+      if (!proposal.move) merged.triangles_added += addition->node.submesh->triangles.size();
     }
   }
-  for (const auto& [id, removal] : removals) {
-    auto removed = adjust::remove_from(*model.find(id), removal);
+  const auto changes = adjust::add_moves(model, accepted, removals);
+  if (!changes) return fail(changes.error());
+  for (const auto& [id, change] : *changes) {
+    if (change.T_world_node) merged.edits.emplace_back(MoveNode{id, *change.T_world_node});
+    if (!change.taken) continue;
+    auto removed = adjust::remove_from(*model.find(id), *change.taken);
     if (!removed.edit) continue;
     merged.edits.push_back(std::move(*removed.edit));
     merged.triangles_added += removed.added;
-    merged.triangles_removed += removed.taken;
+    merged.triangles_removed += removed.taken - change.moved_away;
   }
   return merged;
 }

@@ -47,17 +47,41 @@ struct Removal {
   std::vector<bool> triangles;
   /// Those of which a part goes.
   CutOutlines cuts;
+  /// Where the node was.
+  Pose T_world_node = Pose::Identity();
 };
 
-/// One region's change. Ids are the regions' ids.
+/// A node, or a part of it, stands elsewhere now.
+struct Move {
+  NodeId node = 0;
+  /// Of the node's submesh, and where the node was.
+  Hash hash{};
+  Pose T_world_node = Pose::Identity();
+  /// Those of the node's triangles that move; all of them when the node does.
+  std::vector<bool> triangles;
+  /// The node that they become; 0 when the whole node moves and stays what it is.
+  NodeId new_node = 0;
+  /// From where they were to where they are, in the world.
+  Pose T_world_new_old = Pose::Identity();
+  /// 0 to 1: the share of the measurements that the move explains, less where the thing might as well be turned
+  /// otherwise.
+  double confidence = 0;
+  /// Regions that have no proposals of their own for it; not empty.
+  std::vector<RegionId> closes;
+};
+
+/// One region's change, or a move that is behind several. Ids are regions' ids; a move has the first that it closes.
 struct Proposal {
   RegionId id = 0;
+  /// None for a move.
   ChangeKind kind = ChangeKind::none;
+  std::optional<Move> move;
   std::vector<Edit> edits;
   std::size_t triangles_added = 0;
   std::size_t triangles_removed = 0;
   double largest_change_m = 0;
-  /// "+96 triangles; largest change 21 mm"; "-2 +14 triangles; ..." where large ones were cut
+  /// "+96 triangles; largest change 21 mm"; "-2 +14 triangles; ..." where large ones were cut;
+  /// "moves "box" by 20 mm and 0 degrees; closes regions 4 and 7"
   std::string effect;
   /// For `merge_edits`.
   std::vector<Removal> removed;
@@ -78,9 +102,12 @@ struct AdjustOptions {
   double decimate_sigmas = 0;
   /// And their brightness within so many levels of 255.
   double decimate_levels = 12;
+  /// Look for things that moved; else all that moved is removed and inserted.
+  bool moves = true;
 };
 
-/// Proposals for the confirmed regions. `next_node_id` is the first free id; proposals take consecutive ones. Proposals
+/// Proposals for the confirmed regions: moves first, and what they leave of the regions as insertions and removals.
+/// `next_node_id` is the first free id; proposals take consecutive ones. Proposals
 /// of one snapshot may be accepted in any subset: edits of the same node are merged by `merge_edits`. None when the
 /// depth pose is lost or the snapshot's images do not have the depth camera's size; a region without effect has no
 /// proposal.
@@ -95,8 +122,9 @@ struct MergedEdits {
   std::size_t triangles_removed = 0;
 };
 
-/// Edits of several accepted proposals as one list: several removals from one node become one. Refuses proposals that
-/// were made for another revision of the model.
+/// Edits of several accepted proposals as one list: several removals from one node, and parts that move out of it,
+/// become one. Refuses proposals that were made for another revision of the model, and moves that contradict other
+/// accepted proposals.
 [[nodiscard]] Result<MergedEdits> merge_edits(const Model& model, const std::vector<Proposal>& accepted);
 
 /// The depth grid of a region as a submesh in the world, coloured from the colour image, on the scene's lattice.

@@ -45,7 +45,7 @@ std::map<RegionId, Removal> by_region(const Node& node, const std::vector<Region
   std::map<RegionId, Removal> removals;
   const auto removal_of = [&](RegionId region) -> Removal& {
     const auto [entry, is_new] = removals.try_emplace(region);
-    if (is_new) entry->second = {node.id, node.hash, std::vector<bool>(marks.size(), false), {}};
+    if (is_new) entry->second = {node.id, node.hash, std::vector<bool>(marks.size(), false), {}, node.T_world_node};
     return entry->second;
   };
   for (std::size_t t = 0; t < marks.size(); ++t) {
