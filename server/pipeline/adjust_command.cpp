@@ -87,12 +87,16 @@ Status check_chosen(const AdjustRun& run, int frame, const std::vector<Proposal>
 }
 
 nlohmann::json proposal_json(const Proposal& proposal) {
-  return {{"id", proposal.id},
-          {"kind", proposal.kind == ChangeKind::insertion ? "insertion" : "removal"},
-          {"triangles_added", proposal.triangles_added},
-          {"triangles_removed", proposal.triangles_removed},
-          {"largest_change_m", proposal.largest_change_m},
-          {"effect", proposal.effect}};
+  nlohmann::json json{{"id", proposal.id},
+                      {"kind", proposal.kind == ChangeKind::insertion ? "insertion" : "removal"},
+                      {"triangles_added", proposal.triangles_added},
+                      {"triangles_removed", proposal.triangles_removed},
+                      {"largest_change_m", proposal.largest_change_m},
+                      {"effect", proposal.effect}};
+  if (!proposal.move) return json;
+  json["kind"] = "move";
+  json["move"] = move_json(*proposal.move);
+  return json;
 }
 
 Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const Rig& rig, Examiner& examiner, Views& views,

@@ -87,7 +87,9 @@ Result<Acceptance> accept_changes(SceneStore& store, const std::vector<Proposal>
   info.triangles_added = merged->triangles_added;
   info.triangles_removed = merged->triangles_removed;
   for (const auto& proposal : accepted) {
-    info.summary += fmt::format("{}region {}: {}", info.summary.empty() ? "" : "; ", proposal.id, proposal.effect);
+    if (!info.summary.empty()) info.summary += "; ";
+    info.summary += proposal.move ? proposal.effect : fmt::format("region {}: {}", proposal.id, proposal.effect);
+    if (proposal.move) acceptance.moves.push_back(*proposal.move);
   }
   if (auto png = encode_png(evidence.picture)) info.pictures.push_back(std::move(*png));
   const Stopwatch watch;

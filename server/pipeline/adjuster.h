@@ -16,6 +16,7 @@ struct Acceptance {
   std::shared_ptr<const Model> model;
   RevisionInfo info;
   double commit_ms = 0;
+  std::vector<Move> moves;
 };
 
 /// What one examined frame proposes, and how its pose was made better for new surface.

@@ -116,6 +116,18 @@ nlohmann::json registration_json(const Registration& registration, const Tracked
           {"held_directions", registration.held_directions}};
 }
 
+nlohmann::json move_json(const Move& move) {
+  const Eigen::Vector3d t = move.T_world_new_old.translation();
+  const Eigen::Quaterniond q{move.T_world_new_old.linear()};
+  const nlohmann::json new_node = move.new_node == 0 ? nlohmann::json(nullptr) : nlohmann::json(move.new_node);
+  return {
+      {"node", move.node},
+      {"new_node", new_node},
+      {"T_world_new_old", {{"translation", {t.x(), t.y(), t.z()}}, {"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}}}},
+      {"confidence", move.confidence},
+      {"closes", move.closes}};
+}
+
 nlohmann::json revision_json(const RevisionInfo& info) {
   return {{"revision", info.revision},
           {"parent", info.parent},

@@ -5,6 +5,7 @@
 
 #include "common/change/region.h"
 #include "common/program/json_output.h"
+#include "server/adjust/proposal.h"
 #include "server/adjust/registration.h"
 #include "server/pipeline/examiner.h"
 #include "server/store/scene_store.h"
@@ -22,6 +23,8 @@ namespace meshloop {
 [[nodiscard]] nlohmann::json times_json(const Examination& examination);
 /// How a snapshot's pose was made better.
 [[nodiscard]] nlohmann::json registration_json(const Registration& registration, const TrackedPose& pose);
+/// Node, transform in the world (from where it was to where it is), confidence and the regions that it closes.
+[[nodiscard]] nlohmann::json move_json(const Move& move);
 /// The rig of a snapshot is named by the hash of its text (calibration_name).
 [[nodiscard]] nlohmann::json revision_json(const RevisionInfo& info);
 [[nodiscard]] std::string calibration_name(const std::string& calibration);

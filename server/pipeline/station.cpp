@@ -185,7 +185,7 @@ Status Station::accept(const TrackedFrame& tracked, Examination examination) {
   std::vector<Change> changes;
   changes.push_back(std::move(**first));
   Status second_done;
-  if (changes.front().acceptance.info.triangles_removed > 0) {
+  if (changes.front().acceptance.info.triangles_removed > 0 || !changes.front().acceptance.moves.empty()) {
     auto second = change_behind(tracked, changes.front().examination);
     if (!second) second_done = fail(second.error());  // the first one stays, and is told
     if (second && *second) changes.push_back(std::move(**second));
@@ -216,6 +216,8 @@ Result<std::optional<Station::Change>> Station::change_behind(const TrackedFrame
 
 void Station::tell_revision(const TrackedFrame& tracked, const Change& change, double sync_ms) const {
   const auto& info = change.acceptance.info;
+  nlohmann::json moves = nlohmann::json::array();
+  for (const auto& move : change.acceptance.moves) moves.push_back(move_json(move));
   tell({{"event", "revision"},
         {"revision", info.revision},
         {"frame", tracked.frame.index},
@@ -230,6 +232,7 @@ void Station::tell_revision(const TrackedFrame& tracked, const Change& change, d
         {"summary", info.summary},
         {"registration", change.registration},
         {"frames_fused", change.frames},
+        {"moves", moves},
         {"time_ms",
          {{"snapshot", change.snapshot_ms},
           {"commit", change.acceptance.commit_ms},
