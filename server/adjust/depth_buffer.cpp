@@ -25,7 +25,7 @@ double twice_area(const Corner& a, const Corner& b, double x, double y) {
   return (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
 }
 
-/// From 0 to 1 where a row of pixels is inside; what lies outside gives `from` > `to`.
+/// Columns, both included; none when `from` > `to`.
 struct Span {
   int from;
   int to;

@@ -17,6 +17,10 @@ constexpr double kLeastVisible_px = 150;
 /// Of what is seen of a part.
 constexpr double kLeastChangedShare = 0.02;
 constexpr std::size_t kMostParts = 8;
+/// Less is no region: as few as a region of the comparison has.
+constexpr double kLeastLeft_px = 60;
+/// Things of one snapshot that are looked for: where more have changed, it is a pose that is wrong or another room.
+constexpr int kMostTries = 16;
 /// Of what faces the camera: what reaches farther out of the picture is surroundings, or cannot be checked.
 constexpr double kMostOutside = 0.15;
 /// Nodes with more are surroundings, not things.
@@ -82,10 +86,8 @@ void take_over(MoveScene& scene, const Part& part, const NewPlace& place, const 
       if (check.is_explained[i] != 0) scene.open(x, y) = 0;
     }
   }
-  for (auto& id : scene.open.pixels()) {
-    if (id != 0 && std::find(check.closes.begin(), check.closes.end(), id) != check.closes.end()) id = 0;
-  }
   scene.moved.push_back({part, place.T_camera_node});
+  scene.closed.insert(scene.closed.end(), check.closes.begin(), check.closes.end());
 }
 
 /// What the search goes through, and what it finds.
@@ -94,9 +96,11 @@ struct Search {
   const ColorLookup* colors;
   NodeId* next_node_id;
   FoundMoves found;
+  int tries = 0;
 };
 
 bool try_part(Search& search, std::size_t node_position, std::vector<bool> triangles) {
+  if (search.tries++ >= kMostTries) return false;
   const Snapshot& snapshot = *search.scene.snapshot;
   const Node& node = snapshot.model->nodes[node_position];
   auto& moving = search.found.moving;
@@ -142,27 +146,43 @@ void try_node(Search& search, std::size_t node_position, const Seen& seen) {
   if (numbers.count > 1) try_parts(search, node_position, numbers);
 }
 
-/// The regions with the pixels that are open still.
+/// The regions with the pixels that are open still. What is left of a closed one gets a new id: the move has the old
+/// one.
 RegionMap regions_left(const MoveScene& scene) {
   RegionMap left = *scene.snapshot->regions;
+  RegionId next_id = 1;
+  for (const auto& region : left.regions) next_id = std::max(next_id, region.id + 1);
+  std::map<RegionId, RegionId> new_id;
+  for (auto& region : left.regions) {
+    const bool is_closed = std::find(scene.closed.begin(), scene.closed.end(), region.id) != scene.closed.end();
+    const RegionId id = is_closed ? next_id++ : region.id;
+    new_id[region.id] = id;
+    region.id = id;
+    if (region.confirmed && region.kind != ChangeKind::none) region.pixels = 0;
+  }
   std::map<RegionId, int> open;
   for (std::size_t i = 0; i < left.ids.size(); ++i) {
     RegionId& id = left.ids.pixels()[i];
     if (id == 0 || scene.kind_of_region(id) == ChangeKind::none) continue;
-    id = scene.open.pixels()[i];
+    const RegionId still = scene.open.pixels()[i];
+    id = still == 0 ? 0 : new_id[still];
     if (id != 0) ++open[id];
   }
   for (auto& region : left.regions) {
-    if (region.confirmed && region.kind != ChangeKind::none) region.pixels = open[region.id];
+    if (const auto pixels = open.find(region.id); pixels != open.end()) region.pixels = pixels->second;
   }
-  std::erase_if(left.regions, [](const Region& region) { return region.pixels == 0; });
+  std::erase_if(left.regions, [&](const Region& region) {
+    return region.pixels < (region.confirmed ? scene.scaled_pixels(kLeastLeft_px) : 0);
+  });
   return left;
 }
 
 }  // namespace
 
 FoundMoves find_moves(const Snapshot& snapshot, const ColorLookup& colors, NodeId& next_node_id) {
-  Search search{MoveScene{snapshot}, &colors, &next_node_id, {}};
+  const auto& regions = snapshot.regions->regions;
+  if (std::none_of(regions.begin(), regions.end(), [](const Region& region) { return region.confirmed; })) return {};
+  Search search{MoveScene{snapshot}, &colors, &next_node_id, {}, 0};
   const auto seen = nodes_seen(search.scene);
   std::vector<std::size_t> order;
   for (std::size_t n = 0; n < seen.size(); ++n) {

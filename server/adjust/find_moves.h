@@ -10,7 +10,8 @@ namespace meshloop::adjust {
 
 struct FoundMoves {
   std::vector<Proposal> proposals;
-  /// The snapshot's regions without the pixels that the moves explain; closed regions are not there any more.
+  /// The snapshot's regions without the pixels that the moves explain, if 60 or more (at 640x480) are left. What is
+  /// left of a closed region has an id that no region of the snapshot has.
   RegionMap left;
   /// By node: the triangles that move.
   std::map<NodeId, std::vector<bool>> moving;

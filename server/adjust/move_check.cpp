@@ -175,7 +175,8 @@ std::vector<RegionId> closed_regions(const MoveScene& scene, const MoveCheck& ch
   }
   std::vector<RegionId> closed;
   for (const auto& [id, pixels] : open_and_all) {
-    if (pixels.first <= kMostOpen * pixels.second) closed.push_back(id);
+    const bool was_closed = std::find(scene.closed.begin(), scene.closed.end(), id) != scene.closed.end();
+    if (!was_closed && pixels.first <= kMostOpen * pixels.second) closed.push_back(id);
   }
   return closed;
 }

@@ -46,6 +46,8 @@ struct MoveScene {
   /// Pixels of the confirmed regions that no move has explained yet; 0 elsewhere.
   Image<RegionId> open;
   std::vector<MovedPart> moved;
+  /// Regions that these have closed; no other move can.
+  std::vector<RegionId> closed;
 
   [[nodiscard]] const Camera& camera() const { return snapshot->rig->depth; }
   [[nodiscard]] Pose T_camera_node(std::size_t node_position) const {

@@ -70,7 +70,8 @@ struct Move {
   std::vector<RegionId> closes;
 };
 
-/// One region's change, or a move that is behind several. Ids are regions' ids; a move has the first that it closes.
+/// One region's change, or a move that is behind several. Ids are regions' ids; a move has the first that it
+/// closes, and what it leaves of a closed region has a new one.
 struct Proposal {
   RegionId id = 0;
   /// None for a move.
