@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "server/adjust/move_along.h"
 #include "server/adjust/move_edits.h"
 #include "server/adjust/move_search.h"
 
@@ -99,6 +100,24 @@ struct Search {
   int tries = 0;
 };
 
+/// The positions of the nodes that belong to what was found at a new place; `place` then closes what they close too.
+std::vector<std::size_t> take_along(Search& search, const Part& part, NewPlace& place) {
+  std::vector<std::size_t> positions;
+  const auto& nodes = search.scene.snapshot->model->nodes;
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const std::size_t triangles = nodes[n].submesh->triangles.size();
+    if (triangles > kMostTriangles || search.found.moving.count(nodes[n].id) > 0) continue;
+    const auto along = moves_along(search.scene, part, place, n);
+    if (!along) continue;
+    take_over(search.scene, along->part, along->place, along->without);
+    search.found.moving[nodes[n].id] = std::vector<bool>(triangles, true);
+    auto& closes = place.check.closes;
+    closes.insert(closes.end(), along->place.check.closes.begin(), along->place.check.closes.end());
+    positions.push_back(n);
+  }
+  return positions;
+}
+
 bool try_part(Search& search, std::size_t node_position, std::vector<bool> triangles) {
   if (search.tries++ >= kMostTries) return false;
   const Snapshot& snapshot = *search.scene.snapshot;
@@ -112,12 +131,13 @@ bool try_part(Search& search, std::size_t node_position, std::vector<bool> trian
   const Part part = make_part(node, node_position, std::move(triangles));
   if (share_outside(search.scene, part, search.scene.T_camera_node(node_position)) > kMostOutside) return false;
   const WithoutPart without = take_away(search.scene, part);
-  const auto place = find_new_place(search.scene, part, without, *search.colors);
+  auto place = find_new_place(search.scene, part, without, *search.colors);
   if (!place) return false;
   take_over(search.scene, part, *place, without);
   auto& all = moving.try_emplace(node.id, part.triangles.size(), false).first->second;
   for (std::size_t t = 0; t < all.size(); ++t) all[t] = all[t] || part.triangles[t];
-  search.found.proposals.push_back(propose_move(snapshot, part, *place, *search.next_node_id));
+  const auto along = take_along(search, part, *place);
+  search.found.proposals.push_back(propose_move(snapshot, part, *place, along, *search.next_node_id));
   return true;
 }
 

@@ -220,6 +220,7 @@ MoveCheck check_move(const MoveScene& scene, const Part& part, const WithoutPart
   check.agreeing = share(counts.agreeing, counts.decided, 0);
   check.seen_through = share(counts.seen_through, counts.decided, 1);
   check.measured = share(counts.measured, counts.seen, 0);
+  check.seen_px = counts.seen;
   check.hidden = share(counts.hidden, counts.covered, 1);
   check.still_there = share(counts.still_there, counts.left, 0);
   check.explained = share_explained(pieces, counts.seen);

@@ -17,6 +17,8 @@ struct MoveCheck {
   double seen_through = 0;
   /// Of the pixels that the part covers: they have a measurement.
   double measured = 0;
+  /// How many those pixels are.
+  double seen_px = 0;
   /// The model has something before it, or it is sunk into it.
   double hidden = 0;
   /// Of what faces the camera: it lies outside the picture.

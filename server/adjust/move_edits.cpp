@@ -35,8 +35,11 @@ std::string effect_of(const Node& node, const Part& part, const Move& move) {
   const Eigen::Vector3d center = node.T_world_node * part.center;
   const double way_m = (move.T_world_new_old * center - center).norm();
   const double angle = Eigen::AngleAxisd{move.T_world_new_old.linear()}.angle() * 180 / std::numbers::pi;
-  return fmt::format("moves {}\"{}\" by {:.0f} mm and {:.0f} degrees; closes {}",
-                     move.new_node == 0 ? "" : "a part of ", node.name, 1000 * way_m, angle, listed(move.closes));
+  const std::size_t others = move.along.size();
+  const std::string along = others == 0 ? "" : fmt::format(" and {} more node{}", others, others > 1 ? "s" : "");
+  return fmt::format("moves {}\"{}\"{} by {:.0f} mm and {:.0f} degrees; closes {}",
+                     move.new_node == 0 ? "" : "a part of ", node.name, along, 1000 * way_m, angle,
+                     listed(move.closes));
 }
 
 Pose rigid(const Pose& pose) {
@@ -46,6 +49,9 @@ Pose rigid(const Pose& pose) {
 void add_edits(const Node& node, const Part& part, Proposal& proposal) {
   const Move& move = *proposal.move;
   const Pose T_world_node = rigid(move.T_world_new_old * node.T_world_node);
+  for (const auto& other : move.along) {
+    proposal.edits.emplace_back(MoveNode{other.node, rigid(move.T_world_new_old * other.T_world_node)});
+  }
   if (move.new_node == 0) {
     proposal.edits.emplace_back(MoveNode{node.id, T_world_node});
     return;
@@ -59,11 +65,15 @@ void add_edits(const Node& node, const Part& part, Proposal& proposal) {
 }
 
 Status check_revision(const Model& model, const Proposal& proposal) {
-  const Move& move = *proposal.move;
-  const Node* node = model.find(move.node);
-  if (node != nullptr && node->hash == move.hash && node->T_world_node.isApprox(move.T_world_node, 1e-9)) return {};
-  return fail(
-      fmt::format("proposal {} was made for another revision of node {}; take a new snapshot", proposal.id, move.node));
+  std::vector<MovedAlong> all = proposal.move->along;
+  all.push_back({proposal.move->node, proposal.move->hash, proposal.move->T_world_node});
+  for (const auto& one : all) {
+    const Node* node = model.find(one.node);
+    if (node != nullptr && node->hash == one.hash && node->T_world_node.isApprox(one.T_world_node, 1e-9)) continue;
+    return fail(fmt::format("proposal {} was made for another revision of node {}; take a new snapshot", proposal.id,
+                            one.node));
+  }
+  return {};
 }
 
 bool contradicts(const Removal& removal, const std::vector<bool>& moving) {
@@ -75,7 +85,8 @@ bool contradicts(const Removal& removal, const std::vector<bool>& moving) {
 
 }  // namespace
 
-Proposal propose_move(const Snapshot& snapshot, const Part& part, const NewPlace& place, NodeId& next_node_id) {
+Proposal propose_move(const Snapshot& snapshot, const Part& part, const NewPlace& place,
+                      const std::vector<std::size_t>& along, NodeId& next_node_id) {
   const Node& node = snapshot.model->nodes[part.node_position];
   const Pose& T_camera_world = snapshot.refined_T_camera_world.value_or(snapshot.depth_pose.T_camera_world);
   Move move;
@@ -87,6 +98,10 @@ Proposal propose_move(const Snapshot& snapshot, const Part& part, const NewPlace
   move.T_world_new_old = rigid(T_camera_world.inverse() * place.T_camera_node * node.T_world_node.inverse());
   move.confidence = place.confidence;
   move.closes = place.check.closes;
+  for (const auto n : along) {
+    const Node& other = snapshot.model->nodes[n];
+    move.along.push_back({other.id, other.hash, other.T_world_node});
+  }
   Proposal proposal;
   proposal.id = move.closes.front();
   proposal.largest_change_m = largest_way_m(part, node.T_world_node, move.T_world_new_old);
@@ -118,14 +133,20 @@ Result<std::map<NodeId, NodeChange>> add_moves(const Model& model, const std::ve
     if (!proposal.move) continue;
     if (auto ok = check_revision(model, proposal); !ok) return fail(ok.error());
     const Move& move = *proposal.move;
-    NodeChange& change = changes[move.node];
-    if (change.T_world_node || (change.taken && contradicts(*change.taken, move.triangles))) {
+    const auto refuse = [&](NodeId node) {
       return fail(
           fmt::format("proposal {} moves what another accepted one moves or removes (node {}); accept one of them",
-                      proposal.id, move.node));
+                      proposal.id, node));
+    };
+    for (const auto& other : move.along) {
+      NodeChange& along = changes[other.node];
+      if (along.T_world_node || along.taken) return refuse(other.node);
+      along.T_world_node = rigid(move.T_world_new_old * other.T_world_node);
     }
+    NodeChange& change = changes[move.node];
+    if (change.T_world_node || (change.taken && contradicts(*change.taken, move.triangles))) return refuse(move.node);
     if (move.new_node == 0) {
-      change.T_world_node = std::get<MoveNode>(proposal.edits.front()).T_world_node;
+      change.T_world_node = rigid(move.T_world_new_old * move.T_world_node);
       continue;
     }
     if (!change.taken) {

@@ -5,9 +5,9 @@
 
 namespace meshloop::adjust {
 
-/// Takes an id for a new node when only a part of the node moves.
+/// Takes an id for a new node when only a part of the node moves. `along`: positions of the nodes that move with it.
 [[nodiscard]] Proposal propose_move(const Snapshot& snapshot, const Part& part, const NewPlace& place,
-                                    NodeId& next_node_id);
+                                    const std::vector<std::size_t>& along, NodeId& next_node_id);
 
 /// Leaves out of removals what moves, and then removals of nothing.
 void keep_what_moves(const std::map<NodeId, std::vector<bool>>& moving, std::vector<Removal>& removals);

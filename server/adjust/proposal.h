@@ -51,6 +51,13 @@ struct Removal {
   Pose T_world_node = Pose::Identity();
 };
 
+/// A node that belongs to what moves.
+struct MovedAlong {
+  NodeId node = 0;
+  Hash hash{};
+  Pose T_world_node = Pose::Identity();
+};
+
 /// A node, or a part of it, stands elsewhere now.
 struct Move {
   NodeId node = 0;
@@ -68,6 +75,8 @@ struct Move {
   double confidence = 0;
   /// Regions that have no proposals of their own for it; not empty.
   std::vector<RegionId> closes;
+  /// Other whole nodes that move the same way: patches of the same thing.
+  std::vector<MovedAlong> along;
 };
 
 /// One region's change, or a move that is behind several. Ids are regions' ids; a move has the first that it

@@ -23,7 +23,8 @@ namespace meshloop {
 [[nodiscard]] nlohmann::json times_json(const Examination& examination);
 /// How a snapshot's pose was made better.
 [[nodiscard]] nlohmann::json registration_json(const Registration& registration, const TrackedPose& pose);
-/// Node, transform in the world (from where it was to where it is), confidence and the regions that it closes.
+/// Node, those that move along, transform in the world (from where it was to where it is), confidence and the regions
+/// that it closes.
 [[nodiscard]] nlohmann::json move_json(const Move& move);
 /// The rig of a snapshot is named by the hash of its text (calibration_name).
 [[nodiscard]] nlohmann::json revision_json(const RevisionInfo& info);

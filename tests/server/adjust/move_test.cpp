@@ -214,6 +214,69 @@ TEST(Moves, AWholeNodeGetsAnotherPoseAndKeepsItsTriangles) {
   EXPECT_FALSE(merge_edits(*changed, proposals));
 }
 
+/// What of a node faces away from the camera becomes node 40, as if another snapshot had made it.
+void split_off_back(moved_things::World& world, NodeId id) {
+  const auto node = std::find_if(world.model.nodes.begin(), world.model.nodes.end(),
+                                 [&](const Node& other) { return other.id == id; });
+  const Submesh whole = *node->submesh;
+  const Pose T_camera_node = world.T_depth_world * node->T_world_node;
+  std::vector<bool> faces_camera;
+  for (const auto& [a, b, c] : whole.triangles) {
+    const Eigen::Vector3d p = T_camera_node * whole.positions[a].cast<double>();
+    const Eigen::Vector3d q = T_camera_node * whole.positions[b].cast<double>();
+    const Eigen::Vector3d r = T_camera_node * whole.positions[c].cast<double>();
+    faces_camera.push_back((q - p).cross(r - p).dot(p) < 0);
+  }
+  const Pose T_world_node = node->T_world_node;
+  *node = make_node(id, node->name, keep_triangles(whole, faces_camera), T_world_node);
+  faces_camera.flip();
+  world.model.nodes.push_back(make_node(40, "back", keep_triangles(whole, faces_camera), T_world_node));
+}
+
+TEST(Moves, TheBackThatIsNotSeenMovesAlong) {
+  const Solid box = box_on_table(kSize, 0, 0, 20, false, 1);
+  const Solid after = moved(box, motion(0.06, 40, 0));
+  auto world = look(with(table(false), box), with(table(false), after), kView);
+  const NodeId id = moves_of(propose(world->snapshot(), 50, {})).at(0).move->node;
+  split_off_back(*world, id);
+  const auto proposals = propose(world->snapshot(), 50, {});
+  ASSERT_EQ(proposals.size(), 1U);
+  const Move& move = *proposals[0].move;
+  EXPECT_EQ(move.node, id);
+  ASSERT_EQ(move.along.size(), 1U);
+  EXPECT_EQ(move.along[0].node, 40U);
+  EXPECT_THAT(proposals[0].effect, testing::StartsWith("moves \"box\" and 1 more node by 60 mm and 0 degrees"));
+  const auto merged = merge_edits(world->model, proposals);
+  ASSERT_TRUE(merged) << merged.error().message;
+  const auto changed = apply(world->model, merged->edits, 2);
+  ASSERT_TRUE(changed);
+  EXPECT_TRUE(changed->find(40)->T_world_node.isApprox(changed->find(id)->T_world_node, 1e-9));
+  EXPECT_EQ(changed->find(40)->submesh, world->model.find(40)->submesh);
+  // Made for the model as it was.
+  EXPECT_FALSE(merge_edits(*changed, proposals));
+}
+
+// It stands within the box around the arch, and is seen where it was.
+TEST(Moves, WhatIsSeenToStayDoesNotMoveAlong) {
+  Scene before = table(false);
+  const auto leg = [](double x) { return box_on_table({0.05, 0.12, 0.22}, x, 0, 0, false, 1); };
+  Solid beam = box_on_table({0.35, 0.12, 0.05}, 0, 0, 0, false, 1);
+  beam.T_world_solid.translation().z() += 0.22;
+  Scene after = before;
+  for (Solid part : {leg(-0.15), leg(0.15), beam}) {
+    part.object = "arch";
+    before.solids.push_back(part);
+    after.solids.push_back(moved(part, motion(0.04, 0, 0)));
+  }
+  const Solid can = can_on_table(0.06, 0.12, 0, 0);
+  before.solids.push_back(can);
+  after.solids.push_back(can);
+  const auto moves = moves_of(seen_after(before, after));
+  ASSERT_EQ(moves.size(), 1U);
+  EXPECT_THAT(moves[0].effect, testing::StartsWith("moves \"arch\" by 40 mm"));
+  EXPECT_TRUE(moves[0].move->along.empty());
+}
+
 TEST(Moves, APartOfANodeBecomesANodeOfItsOwn) {
   Solid box = box_on_table(kSize, 0, 0, 20, true, 1);
   box.object = "table";
