@@ -133,7 +133,6 @@ float sigma_of(const DepthGrid& grid, const Vertices& vertices) {
 // a Kinect's lose their area, with 1.2 times it 13 %.
 int coarsening(const DepthGrid& grid, const Vertices& vertices, const Camera& camera) {
   constexpr float kShareOfPixel = 0.75f;
-  if (vertices.pixels.empty()) return 1;
   std::vector<float> depths;
   for (const auto pixel : vertices.pixels) depths.push_back(grid.z[pixel]);
   const float pixel_m = median(std::move(depths)) / static_cast<float>(std::max(camera.fx, camera.fy));
@@ -186,6 +185,7 @@ Submesh make_patch(const Snapshot& snapshot, RegionId region, const AdjustOption
   }
   auto triangles = triangulate(grid, rig.depth, options.discontinuity_sigmas, places.lines);
   drop_small_pieces(triangles, grid.z.size(), least_triangles(options, rig.depth));
+  if (triangles.empty()) return {};
   if (!parts.planes.empty()) straighten_border(grid, parts, triangles, places);
 
   Submesh patch;

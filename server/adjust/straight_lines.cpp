@@ -6,8 +6,6 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <set>
-#include <unordered_map>
 #include <utility>
 
 #include "server/adjust/outline.h"
@@ -198,23 +196,37 @@ class LineFinder {
   std::vector<NearCrease> near_crease_;
 };
 
-/// Vertices of edges that have one triangle only.
-std::vector<std::uint32_t> border_of(const std::vector<Triangle>& triangles) {
-  std::unordered_map<std::uint64_t, int> count;
-  count.reserve(2 * triangles.size());
-  const auto key = [](std::uint32_t a, std::uint32_t b) {
-    return static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
+/// Bit of the way from a pixel of the grid to one of the eight around it.
+std::uint8_t way_bit(std::uint32_t from, std::uint32_t to, std::uint32_t width) {
+  const auto row = static_cast<int>(to / width) - static_cast<int>(from / width);
+  const auto column = static_cast<int>(to % width) - static_cast<int>(from % width);
+  const int way = 3 * (row + 1) + column + 1;  // 4 is the pixel itself
+  return static_cast<std::uint8_t>(1 << (way < 4 ? way : way - 1));
+}
+
+/// Vertices of edges that have one triangle only, in growing order.
+std::vector<std::uint32_t> border_of(const std::vector<Triangle>& triangles, std::uint32_t width, std::size_t pixels) {
+  // Each edge has a triangle on its left when it is walked one way.
+  std::vector<std::uint8_t> ways(pixels, 0);
+  for (const auto& [a, b, c] : triangles) {
+    ways[a] |= way_bit(a, b, width);
+    ways[b] |= way_bit(b, c, width);
+    ways[c] |= way_bit(c, a, width);
+  }
+  std::vector<bool> is_border(pixels, false);
+  const auto look_at = [&](std::uint32_t from, std::uint32_t to) {
+    if ((ways[to] & way_bit(to, from, width)) == 0) is_border[from] = is_border[to] = true;
   };
   for (const auto& [a, b, c] : triangles) {
-    for (const auto& edge : {key(a, b), key(b, c), key(c, a)}) ++count[edge];
+    look_at(a, b);
+    look_at(b, c);
+    look_at(c, a);
   }
-  std::set<std::uint32_t> vertices;
-  for (const auto& [edge, triangles_at_edge] : count) {
-    if (triangles_at_edge != 1) continue;
-    vertices.insert(static_cast<std::uint32_t>(edge >> 32));
-    vertices.insert(static_cast<std::uint32_t>(edge));
+  std::vector<std::uint32_t> border;
+  for (std::uint32_t i = 0; i < pixels; ++i) {
+    if (is_border[i]) border.push_back(i);
   }
-  return {vertices.begin(), vertices.end()};
+  return border;
 }
 
 Eigen::Vector2d nearest_on(const Loop& loop, const Eigen::Vector2d& p) {
@@ -244,7 +256,7 @@ void straighten_border(const DepthGrid& grid, const FlatParts& parts, const std:
   }
   const double ragged_px = std::max(kStraightSteps_px, kRagged * grid.lateral_px);
   const auto loops = outline_of(mask, 4, ragged_px);
-  const auto border = border_of(triangles);
+  const auto border = border_of(triangles, static_cast<std::uint32_t>(w), grid.z.size());
   const auto move = [&](std::uint32_t i, const Eigen::Vector2d& at) {
     const auto plane = parts.plane_of_pixel[i];
     const float z = plane == 0 ? grid.z[i] : static_cast<float>(1 / parts.planes[plane - 1u].at(at.x(), at.y()));

@@ -60,12 +60,19 @@ struct NewWall {
 
 void insert_patch(benchmark::State& state) {
   const NewWall wall{static_cast<int>(state.range(0)), static_cast<int>(state.range(1))};
+  AdjustOptions options;
+  options.flatten = state.range(2) != 0;
   std::size_t triangles = 0;
-  for (auto _ : state) triangles = insertion_patch(wall.snapshot(), 1, {}).triangles.size();
+  for (auto _ : state) triangles = insertion_patch(wall.snapshot(), 1, options).triangles.size();
   state.counters["measurements"] = static_cast<double>(wall.frame.depth.size());
   state.counters["triangles"] = static_cast<double>(triangles);
 }
-BENCHMARK(insert_patch)->Args({176, 144})->Args({320, 240})->Args({640, 480})->Unit(benchmark::kMillisecond);
+BENCHMARK(insert_patch)
+    ->ArgNames({"width", "height", "flatten"})
+    ->ArgsProduct({{176}, {144}, {0, 1}})
+    ->ArgsProduct({{320}, {240}, {0, 1}})
+    ->ArgsProduct({{640}, {480}, {0, 1}})
+    ->Unit(benchmark::kMillisecond);
 
 /// A wavy wall that is expected 5 mm from where it is measured.
 void refine_pose_of_a_frame(benchmark::State& state) {

@@ -115,7 +115,12 @@ void compare(World& world, const WorldOptions& options) {
     const float expected = c.expected.pixels()[i];
     auto& node = c.node_index.pixels()[i];
     if (node != 0) node = node_position[node - 1];
-    c.labels.pixels()[i] = label_of(measured, expected, options.threshold_m);
+    auto& threshold = c.threshold_m.pixels()[i];
+    if (options.threshold_sigmas > 0 && expected > 0) {
+      const double sigma_m = options.sensor.sigma_z_m(static_cast<double>(expected), 0);
+      threshold = static_cast<float>(options.threshold_sigmas * sigma_m);
+    }
+    c.labels.pixels()[i] = label_of(measured, expected, static_cast<double>(threshold));
     if (measured > 0 && expected > 0) c.difference_m.pixels()[i] = measured - expected;
   }
 }

@@ -61,6 +61,8 @@ struct WorldOptions {
   bool with_all_faults = false;
   unsigned seed = 1;
   double threshold_m = 0.005;
+  /// In place of that, when not 0: so many sigma of the sensor at what is expected.
+  double threshold_sigmas = 0;
   /// Colour of a point of the world; the colour image is cast from the real boxes.
   std::function<Rgb8(const Eigen::Vector3d&)> paint = [](const Eigen::Vector3d&) { return Rgb8{200, 100, 50}; };
 };
