@@ -5,8 +5,8 @@ namespace meshloop::adjust {
 
 /// Fewer triangles for the same surface, by quadric edge collapse (meshoptimizer; Garland and Heckbert 1997). Vertices
 /// are left out, none is moved. The result lies within about `error_m` of the submesh, its brightness within about
-/// `error_levels` of 255; straight borders stay where they are. The submesh must not be on a lattice yet: its rounding
-/// would count as form.
+/// `error_levels` of 255; straight borders stay where they are. Both errors must be above 0. The submesh must not be on
+/// a lattice yet: its rounding would count as form.
 [[nodiscard]] Submesh decimate(const Submesh& submesh, double error_m, double error_levels);
 
 }  // namespace meshloop::adjust

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "server/adjust/depth_grid.h"
@@ -133,13 +134,25 @@ Mean fuse_pixel(const std::vector<OtherView>& others, const Eigen::Vector3f& ray
   return mean_of(std::span{depths}.first(count), sigma_m);
 }
 
-}  // namespace
-
-float FusedDepth::sigma_m(const SensorModel& sensor, float z, int measurements) {
-  const auto depth = static_cast<double>(z);
-  if (measurements <= 1) return static_cast<float>(sensor.sigma_z_m(depth, 0));
-  return static_cast<float>(std::sqrt(sensor.variance_m2(depth, 0, measurements)));
+/// Asked about every third pixel of what is new.
+bool sees_another_state(const OtherView& view, const DepthImage& first, const Camera& camera,
+                        const Image<std::uint8_t>& mask) {
+  constexpr int kEvery_px = 3;
+  if (mask.empty()) return false;
+  int same = 0;
+  int seen_through = 0;
+  for (int y = 0; y < first.height(); y += kEvery_px) {
+    for (int x = 0; x < first.width(); x += kEvery_px) {
+      if (mask(x, y) < 2 || !is_depth(first(x, y))) continue;
+      const Answer answer = view.ask(camera.back_project(x, y, 1).cast<float>(), first(x, y));
+      same += answer.says == Says::same ? 1 : 0;
+      seen_through += answer.says == Says::seen_through ? 1 : 0;
+    }
+  }
+  return seen_through > same;
 }
+
+}  // namespace
 
 Image<std::uint8_t> fused_pixels(const RegionMap& regions) {
   constexpr int kBeside_px = 2;  // smoothing looks as far
@@ -149,7 +162,8 @@ Image<std::uint8_t> fused_pixels(const RegionMap& regions) {
     const auto window = adjust::window_of(regions.ids, region.id);
     for (int y = std::max(window.y0 - kBeside_px, 0); y < std::min(window.y1 + kBeside_px, pixels.height()); ++y) {
       for (int x = std::max(window.x0 - kBeside_px, 0); x < std::min(window.x1 + kBeside_px, pixels.width()); ++x) {
-        pixels(x, y) = 1;
+        const bool is_new = regions.ids(x, y) == region.id;
+        pixels(x, y) = std::max(pixels(x, y), static_cast<std::uint8_t>(is_new ? 2 : 1));
       }
     }
   }
@@ -159,12 +173,14 @@ Image<std::uint8_t> fused_pixels(const RegionMap& regions) {
 FusedDepth fuse_depth(std::span<const DepthView> views, const Camera& camera, const SensorModel& sensor,
                       const Image<std::uint8_t>& mask) {
   const DepthImage& first = *views.front().depth;
-  FusedDepth fused{first, Image<std::uint8_t>{first.width(), first.height()}};
+  FusedDepth fused{first, Image<std::uint8_t>{first.width(), first.height()}, 1};
   const Pose T_world_first = views.front().T_camera_world.inverse();
   std::vector<OtherView> others;
   for (const auto& view : views.subspan(1, std::min(views.size(), kMostFusedViews) - 1)) {
-    others.emplace_back(view, T_world_first, camera, sensor);
+    OtherView other{view, T_world_first, camera, sensor};
+    if (!sees_another_state(other, first, camera, mask)) others.push_back(std::move(other));
   }
+  fused.views = others.size() + 1;
   for (int y = 0; y < first.height(); ++y) {
     for (int x = 0; x < first.width(); ++x) {
       const float z = first(x, y);

@@ -1,5 +1,6 @@
 #pragma once
 // The depth of several frames, in the pixels of one.
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -18,13 +19,12 @@ struct DepthView {
 };
 
 struct FusedDepth {
-  /// Standard deviation of a depth of so many measurements, frontal view, in metres.
-  [[nodiscard]] static float sigma_m(const SensorModel& sensor, float z, int measurements);
-
   /// Metres; 0 where the first view measured nothing, or more views see through its surface than measure it.
   DepthImage depth;
   /// Of how many measurements; 0 where there is no depth.
   Image<std::uint8_t> measurements;
+  /// Views that had a say, the first one included.
+  std::size_t views = 0;
 };
 
 /// As many views as are looked at.
@@ -33,8 +33,10 @@ inline constexpr std::size_t kMostFusedViews = 16;
 /// Fuses the depth of up to kMostFusedViews views of one camera in the first one's pixels. The surface that the first
 /// view measured is looked up in each other view; what lies there within 3 sigma of the median is averaged, so that
 /// nothing is averaged across two surfaces. Views that look at a surface from more than 25 degrees aside have no say
-/// there, nor have those in which something stands before it. Pixels of `mask` that are 0 keep what the first view
-/// measured; an empty mask is one without zeros. Each depth image has the camera's size.
+/// there, nor have those in which something stands before it. A view that sees through more of the new surface (`mask`
+/// 2) than it measures was made before that came, and has no say at all. Pixels of `mask` that are 0 keep what the
+/// first view measured; an empty mask is one of ones. There must be a view; each depth image, and the mask, has the
+/// camera's size.
 [[nodiscard]] FusedDepth fuse_depth(std::span<const DepthView> views, const Camera& camera, const SensorModel& sensor,
                                     const Image<std::uint8_t>& mask);
 

@@ -6,7 +6,6 @@
 #include <cstdlib>
 
 #include "common/base/connected.h"
-#include "server/adjust/depth_fusion.h"
 
 namespace meshloop::adjust {
 namespace {
@@ -61,6 +60,13 @@ void mark_rim(DepthGrid& grid, const Comparison& comparison, const DepthImage& m
   }
 }
 
+/// Standard deviation of a depth of so many measurements, frontal view, in metres.
+float sigma_of_mean_m(const SensorModel& sensor, float z, int measurements) {
+  const auto depth = static_cast<double>(z);
+  if (measurements <= 1) return static_cast<float>(sensor.sigma_z_m(depth, 0));
+  return static_cast<float>(std::sqrt(sensor.variance_m2(depth, 0, measurements)));
+}
+
 void set_noise(DepthGrid& grid, const Image<std::uint8_t>& measurements, const SensorModel& sensor) {
   std::size_t members = 0;
   double inverse_counts = 0;
@@ -70,7 +76,7 @@ void set_noise(DepthGrid& grid, const Image<std::uint8_t>& measurements, const S
     const int x = static_cast<int>(i) % w + grid.window.x0;
     const int y = static_cast<int>(i) / w + grid.window.y0;
     const int count = measurements.empty() ? 1 : std::max<int>(measurements(x, y), 1);
-    grid.sigma[i] = FusedDepth::sigma_m(sensor, grid.z[i], count);
+    grid.sigma[i] = sigma_of_mean_m(sensor, grid.z[i], count);
     if (grid.role[i] != Role::member) continue;
     ++members;
     inverse_counts += 1.0 / count;
@@ -117,8 +123,7 @@ struct Corner {
 
 /// They lie on one straight line; a corner, of which there is one among several lines, lies on each of them.
 bool on_one_line(const Corner& a, const Corner& b) {
-  constexpr std::uint16_t kCorner = 0xffff;
-  return a.line != 0 && b.line != 0 && (a.line == b.line || a.line == kCorner || b.line == kCorner);
+  return a.line != 0 && b.line != 0 && (a.line == b.line || a.line == kCornerOfLines || b.line == kCornerOfLines);
 }
 
 bool joined(const Corner& a, const Corner& b, float step, float sigmas) {

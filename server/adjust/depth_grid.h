@@ -37,6 +37,9 @@ enum class Role : std::uint8_t { outside, rim, model_rim, gap, member };
   return role == Role::member || role == Role::gap;
 }
 
+/// In place of a line's number: a point in which several lines meet.
+inline constexpr std::uint16_t kCornerOfLines = 0xffff;
+
 /// Depths of a window, with their role in a patch.
 struct DepthGrid {
   Window window;
@@ -60,8 +63,9 @@ struct DepthGrid {
 void smooth(DepthGrid& grid, const DepthImage& measured);
 
 /// Triangles between neighbouring pixels, with positions in the window as indices; counter-clockwise towards the
-/// camera. Left out: edges across depth discontinuities (see AdjustOptions), and triangles without a member. `lines`
-/// (empty, or as long as the grid's vectors): pixels with the same number that is not 0 are joined where they touch.
+/// camera. Left out: edges across depth discontinuities (see AdjustOptions), and triangles without a part of the patch.
+/// `lines` (empty, or as long as the grid's vectors): of two diagonals the one is taken that joins pixels of one line,
+/// which have the same number that is not 0, or kCornerOfLines.
 [[nodiscard]] std::vector<Triangle> triangulate(const DepthGrid& grid, const Camera& camera,
                                                 double discontinuity_sigmas, const std::vector<std::uint16_t>& lines);
 

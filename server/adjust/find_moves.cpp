@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "server/adjust/move_along.h"
@@ -119,7 +120,7 @@ std::vector<std::size_t> take_along(Search& search, const Part& part, NewPlace& 
 }
 
 bool try_part(Search& search, std::size_t node_position, std::vector<bool> triangles) {
-  if (search.tries++ >= kMostTries) return false;
+  if (search.tries >= kMostTries) return false;
   const Snapshot& snapshot = *search.scene.snapshot;
   const Node& node = snapshot.model->nodes[node_position];
   auto& moving = search.found.moving;
@@ -130,6 +131,7 @@ bool try_part(Search& search, std::size_t node_position, std::vector<bool> trian
   }
   const Part part = make_part(node, node_position, std::move(triangles));
   if (share_outside(search.scene, part, search.scene.T_camera_node(node_position)) > kMostOutside) return false;
+  ++search.tries;
   const WithoutPart without = take_away(search.scene, part);
   auto place = find_new_place(search.scene, part, without, *search.colors);
   if (!place) return false;
@@ -191,9 +193,15 @@ RegionMap regions_left(const MoveScene& scene) {
   for (auto& region : left.regions) {
     if (const auto pixels = open.find(region.id); pixels != open.end()) region.pixels = pixels->second;
   }
+  std::set<RegionId> too_small;
   std::erase_if(left.regions, [&](const Region& region) {
-    return region.pixels < (region.confirmed ? scene.scaled_pixels(kLeastLeft_px) : 0);
+    const bool is_small = region.pixels < (region.confirmed ? scene.scaled_pixels(kLeastLeft_px) : 0);
+    if (is_small) too_small.insert(region.id);
+    return is_small;
   });
+  for (auto& id : left.ids.pixels()) {
+    if (too_small.count(id) > 0) id = 0;
+  }
   return left;
 }
 

@@ -214,7 +214,7 @@ class FlatPartFinder {
       }
     }
   }
-  /// Where both explain a pixel: is it on a's side of the line in which they meet? Unknown where they do not meet.
+  /// Is a pixel on a's side of the line in which the two meet, by the side on which more of a's blocks lie?
   [[nodiscard]] bool is_on_side_of(std::size_t a, std::size_t b, const std::vector<PicturePlane>& planes, double x,
                                    double y) const {
     const std::size_t n = planes.size();
@@ -336,9 +336,8 @@ void fill_gaps(DepthGrid& grid, FlatParts& parts, const DepthImage& measured) {
     for (const auto& [i, plane] : filled) {
       parts.plane_of_pixel[i] = plane;
       grid.role[i] = Role::gap;
-      // Above a plane's pixel there is one of that plane, or left or right of it, or below.
       const auto columns = static_cast<std::size_t>(w);
-      for (const auto j : {i - 1, i + 1, i - columns, i + columns, i - columns - 1}) {
+      for (const auto j : {i - 1, i + 1, i - columns, i + columns}) {
         if (parts.plane_of_pixel[j] == plane && grid.sigma[j] > 0) grid.sigma[i] = grid.sigma[j];
       }
     }
@@ -350,8 +349,8 @@ void snap_to_planes(DepthGrid& grid, const FlatParts& parts) {
   for (std::size_t i = 0; i < grid.z.size(); ++i) {
     const auto plane = parts.plane_of_pixel[i];
     if (plane == 0) continue;
-    const double inverse_z = parts.planes[plane - 1u].at(static_cast<double>(i % w), static_cast<double>(i / w));
-    grid.z[i] = static_cast<float>(1 / inverse_z);
+    const float z = parts.planes[plane - 1u].depth(static_cast<double>(i % w), static_cast<double>(i / w));
+    if (z > 0) grid.z[i] = z;
   }
 }
 

@@ -14,6 +14,11 @@ struct PicturePlane {
   double per_row = 0;
   double at_corner = 0;
   [[nodiscard]] double at(double x, double y) const { return per_column * x + per_row * y + at_corner; }
+  /// Metres; 0 where the plane is farther away than a kilometre, or behind the camera.
+  [[nodiscard]] float depth(double x, double y) const {
+    const double inverse_z = at(x, y);
+    return inverse_z > 1e-3 ? static_cast<float>(1 / inverse_z) : 0;
+  }
 };
 
 struct FlatParts {

@@ -49,8 +49,8 @@ std::optional<double> color_agreement(const MoveScene& scene, const Part& part, 
     const Eigen::Vector3d p = T_camera_node * part.submesh.positions[i].cast<double>();
     if (!(p.z() > 0.05)) continue;
     const Eigen::Vector2d pixel = camera.project(p);
-    const auto x = static_cast<int>(std::lround(pixel.x()));
-    const auto y = static_cast<int>(std::lround(pixel.y()));
+    const auto x = static_cast<int>(std::floor(pixel.x() + 0.5));
+    const auto y = static_cast<int>(std::floor(pixel.y() + 0.5));
     const auto z = static_cast<double>(drawn.depth(x, y));
     if (!(z > 0)) continue;
     const auto normal = normal_of(part, T_camera_node, drawn.what[drawn.at(x, y)]);

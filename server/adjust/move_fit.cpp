@@ -66,8 +66,8 @@ Faces add_faces(const MoveScene& scene, const Part& part, const WithoutPart& wit
     faces.seen += seen;
     const Eigen::Vector2d pixel = camera.project(p);
     if (!camera.contains(pixel)) continue;
-    const auto x = static_cast<int>(std::lround(pixel.x()));
-    const auto y = static_cast<int>(std::lround(pixel.y()));
+    const auto x = static_cast<int>(std::floor(pixel.x() + 0.5));
+    const auto y = static_cast<int>(std::floor(pixel.y() + 0.5));
     if (without.piece(x, y) == 0) continue;
     const auto z = static_cast<double>(scene.measured(x, y));
     const double sigma_m = scene.snapshot->rig->sensor.sigma_z_m(z, 0);

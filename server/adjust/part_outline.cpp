@@ -18,8 +18,8 @@ constexpr int kLargestHole_px = 3;
 enum class Found { part, nothing, other };
 
 Found look(const MoveScene& scene, const WithoutPart& without, const Eigen::Vector2d& pixel, double z) {
-  const auto x = static_cast<int>(std::lround(pixel.x()));
-  const auto y = static_cast<int>(std::lround(pixel.y()));
+  const auto x = static_cast<int>(std::floor(pixel.x() + 0.5));
+  const auto y = static_cast<int>(std::floor(pixel.y() + 0.5));
   if (x < 0 || y < 0 || x >= scene.camera().width || y >= scene.camera().height) return Found::nothing;
   const auto measured = static_cast<double>(scene.measured(x, y));
   if (!(measured > 0)) return Found::nothing;

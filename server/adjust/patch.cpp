@@ -159,7 +159,8 @@ Status validate(const Snapshot& snapshot) {
   const Camera& camera = snapshot.rig->depth;
   const auto fits = [&](const auto& image) { return image.width() == camera.width && image.height() == camera.height; };
   const Comparison& c = *snapshot.comparison;
-  if (!fits(snapshot.frame->depth) || (snapshot.fused && !fits(snapshot.fused->depth)) || !fits(c.labels) ||
+  if (!fits(snapshot.frame->depth) ||
+      (snapshot.fused && (!fits(snapshot.fused->depth) || !fits(snapshot.fused->measurements))) || !fits(c.labels) ||
       !fits(c.expected) || !fits(c.node_index) || !fits(c.threshold_m) || !fits(snapshot.regions->ids)) {
     return fail("an image of the snapshot has another size than the rig's depth camera");
   }

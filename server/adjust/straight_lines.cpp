@@ -1,5 +1,6 @@
 #include "server/adjust/straight_lines.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -77,15 +78,19 @@ class LineFinder {
     }
   }
 
-  void place(std::size_t i, const Eigen::Vector2d& at, double inverse_z, std::uint16_t line) {
-    vertices_.places[i] = {static_cast<float>(at.x()), static_cast<float>(at.y()), static_cast<float>(1 / inverse_z)};
+  void place(std::size_t i, const Eigen::Vector2d& at, const PicturePlane& on, std::uint16_t line) {
+    const float z = on.depth(at.x(), at.y());
+    if (!(z > 0)) return;
+    vertices_.places[i] = {static_cast<float>(at.x()), static_cast<float>(at.y()), z};
     vertices_.lines[i] = line;
   }
   /// One number for each pair of planes; 0 stands for the model's.
   std::uint16_t line_between(std::uint16_t a, std::uint16_t b) {
+    const std::pair<std::uint16_t, std::uint16_t> key{std::min(a, b), std::max(a, b)};
+    if (const auto known = line_numbers_.find(key); known != line_numbers_.end()) return known->second;
     const auto next = static_cast<std::uint16_t>(line_numbers_.size() + 1);
-    if (next == VertexPlaces::kCorner) return 0;
-    return line_numbers_.try_emplace({std::min(a, b), std::max(a, b)}, next).first->second;
+    if (next == kCornerOfLines) return 0;
+    return line_numbers_[key] = next;
   }
 
   /// Of two planes that meet, one gives the pixels: along the axis across which the line runs, the pixel next to it.
@@ -100,7 +105,7 @@ class LineFinder {
       const double shift = -bend.at(x, y) / (along_row ? bend.per_column : bend.per_row);
       if (!(std::abs(shift) <= kOntoCrease_px)) continue;
       const Eigen::Vector2d at{along_row ? x + shift : x, along_row ? y : y + shift};
-      place(pixel(x, y), at, plane(own).at(at.x(), at.y()), line_between(own, other));
+      place(pixel(x, y), at, plane(own), line_between(own, other));
       near_crease_.push_back({x, y, own, other});
       return;
     }
@@ -127,7 +132,7 @@ class LineFinder {
     }
     for (const auto& [planes, found] : nearest) {
       const auto corner = corner_of(plane(planes[0]), plane(planes[1]), plane(planes[2]));
-      place(found.second, *corner, plane(planes[0]).at(corner->x(), corner->y()), VertexPlaces::kCorner);
+      place(found.second, *corner, plane(planes[0]), kCornerOfLines);
     }
   }
 
@@ -167,7 +172,7 @@ class LineFinder {
     const Eigen::Vector2d gradient{bend.per_column, bend.per_row};
     const Eigen::Vector2d at = Eigen::Vector2d{x, y} - bend.at(x, y) / gradient.squaredNorm() * gradient;
     if (!((at - Eigen::Vector2d{x, y}).norm() <= kOntoModel_px) || !is_same_model(at, *model)) return;
-    place(pixel(x, y), at, model->at(at.x(), at.y()), line_between(0, beside));
+    place(pixel(x, y), at, *model, line_between(0, beside));
   }
   /// The model still is that plane at the pixel.
   [[nodiscard]] bool is_same_model(const Eigen::Vector2d& at, const PicturePlane& model) const {
@@ -241,6 +246,63 @@ Eigen::Vector2d nearest_on(const Loop& loop, const Eigen::Vector2d& p) {
   return nearest;
 }
 
+/// The straight lines around a patch, each with the box in which it can be met.
+class Outline {
+ public:
+  Outline(const Image<std::uint8_t>& mask, double ragged_px) : reach_px_{ragged_px + 0.5} {
+    // What is smaller than a block is a hole, or a crumb, and has no straight border.
+    constexpr double kSmallest_px = 64;
+    for (auto& loop : outline_of(mask, kSmallest_px, ragged_px)) {
+      Eigen::AlignedBox2d box;
+      for (const auto& corner : loop) box.extend(corner);
+      const Eigen::Vector2d reach = Eigen::Vector2d::Constant(reach_px_);
+      loops_.emplace_back(Eigen::AlignedBox2d{Eigen::Vector2d{box.min() - reach}, Eigen::Vector2d{box.max() + reach}},
+                          std::move(loop));
+    }
+  }
+  [[nodiscard]] std::optional<Eigen::Vector2d> nearest(const Eigen::Vector2d& p) const {
+    std::optional<Eigen::Vector2d> nearest;
+    double distance = reach_px_;
+    for (const auto& [box, loop] : loops_) {
+      if (!box.contains(p)) continue;
+      const Eigen::Vector2d at = nearest_on(loop, p);
+      if ((at - p).norm() > distance) continue;
+      distance = (at - p).norm();
+      nearest = at;
+    }
+    return nearest;
+  }
+
+ private:
+  double reach_px_;
+  std::vector<std::pair<Eigen::AlignedBox2d, Loop>> loops_;
+};
+
+/// Takes moves back until no triangle is turned over in the picture. `before`: the places
+/// without the moves.
+void take_back_folds(const std::vector<Triangle>& triangles, std::uint32_t width,
+                     const std::vector<Eigen::Vector3f>& before, std::vector<Eigen::Vector3f>& places) {
+  const auto own = [&](std::uint32_t i) {
+    return Eigen::Vector2f{static_cast<float>(i % width), static_cast<float>(i / width)};
+  };
+  const auto at = [&](std::uint32_t i) { return places[i].z() > 0 ? Eigen::Vector2f{places[i].head<2>()} : own(i); };
+  const auto twice_area = [](const Eigen::Vector2f& a, const Eigen::Vector2f& b, const Eigen::Vector2f& c) {
+    return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+  };
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const auto& [a, b, c] : triangles) {
+      const float area = twice_area(at(a), at(b), at(c));
+      if (area * twice_area(own(a), own(b), own(c)) > 0) continue;
+      for (const auto i : {a, b, c}) {
+        if (places[i] == before[i]) continue;
+        places[i] = before[i];
+        changed = true;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 VertexPlaces meet_in_lines(const DepthGrid& grid, const FlatParts& parts, const Comparison& comparison) {
@@ -254,28 +316,18 @@ void straighten_border(const DepthGrid& grid, const FlatParts& parts, const std:
   for (const auto& triangle : triangles) {
     for (const auto i : triangle) mask.pixels()[i] = is_part(grid.role[i]) ? 1 : 0;
   }
-  const double ragged_px = std::max(kStraightSteps_px, kRagged * grid.lateral_px);
-  const auto loops = outline_of(mask, 4, ragged_px);
-  const auto border = border_of(triangles, static_cast<std::uint32_t>(w), grid.z.size());
-  const auto move = [&](std::uint32_t i, const Eigen::Vector2d& at) {
-    const auto plane = parts.plane_of_pixel[i];
-    const float z = plane == 0 ? grid.z[i] : static_cast<float>(1 / parts.planes[plane - 1u].at(at.x(), at.y()));
-    vertices.places[i] = {static_cast<float>(at.x()), static_cast<float>(at.y()), z};
-  };
-  const auto pixel_of = [&](std::uint32_t i) {
-    return Eigen::Vector2d{static_cast<double>(i % static_cast<std::uint32_t>(w)),
-                           static_cast<double>(i / static_cast<std::uint32_t>(w))};
-  };
-  for (const auto i : border) {
+  const Outline outline{mask, std::max(kStraightSteps_px, kRagged * grid.lateral_px)};
+  const auto before = vertices.places;
+  const auto columns = static_cast<std::uint32_t>(w);
+  for (const auto i : border_of(triangles, columns, grid.z.size())) {
     if (!is_part(grid.role[i]) || vertices.lines[i] != 0) continue;
-    for (const auto& loop : loops) {
-      const Eigen::Vector2d at = nearest_on(loop, pixel_of(i));
-      if ((at - pixel_of(i)).norm() <= ragged_px + 0.5) {
-        move(i, at);
-        break;
-      }
-    }
+    const auto at = outline.nearest({static_cast<double>(i % columns), static_cast<double>(i / columns)});
+    if (!at) continue;
+    const auto plane = parts.plane_of_pixel[i];
+    const float z = plane == 0 ? grid.z[i] : parts.planes[plane - 1u].depth(at->x(), at->y());
+    if (z > 0) vertices.places[i] = {static_cast<float>(at->x()), static_cast<float>(at->y()), z};
   }
+  take_back_folds(triangles, columns, before, vertices.places);
 }
 
 }  // namespace meshloop::adjust

@@ -13,9 +13,8 @@ namespace meshloop::adjust {
 struct VertexPlaces {
   /// Column and row in the window, and depth in metres; depth 0 where the pixel's own place holds.
   std::vector<Eigen::Vector3f> places;
-  /// Vertices with the same number lie on one straight line; 0: on none. kCorner: where several lines meet.
+  /// Vertices with the same number lie on one straight line; 0: on none. kCornerOfLines: where several meet.
   std::vector<std::uint16_t> lines;
-  static constexpr std::uint16_t kCorner = 0xffff;
 };
 
 /// Moves pixels that lie beside the line in which two planes meet onto it, by at most a pixel, and one to the point in
@@ -23,7 +22,7 @@ struct VertexPlaces {
 [[nodiscard]] VertexPlaces meet_in_lines(const DepthGrid& grid, const FlatParts& parts, const Comparison& comparison);
 
 /// Moves members at an open border of the triangles onto the straight lines around all members, by at most what noise
-/// makes a border ragged.
+/// makes a border ragged. What would turn a triangle over stays where it was.
 void straighten_border(const DepthGrid& grid, const FlatParts& parts, const std::vector<Triangle>& triangles,
                        VertexPlaces& vertices);
 

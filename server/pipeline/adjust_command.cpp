@@ -103,6 +103,7 @@ Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const Rig& rig,
                     SceneStore& store) {
   nlohmann::json result{{"index", tracked.frame.index}, {"revision", nullptr}, {"proposals", nlohmann::json::array()}};
   if (const auto reason = reason_against(tracked.depth_pose)) {
+    if (!run.accepted_ids.empty()) return fail(fmt::format("frame {}: {}", tracked.frame.index, *reason));
     result["reason"] = *reason;
     run.results.push_back(std::move(result));
     return {};

@@ -63,7 +63,7 @@ ProposedChanges propose_changes(const TrackedFrame& tracked, const Examination& 
     views.insert(views.end(), before.begin(), before.end());
     fused = fuse_depth(views, rig.depth, rig.sensor, fused_pixels(examination.regions));
     snapshot.fused = &fused;
-    changes.frames = views.size();
+    changes.frames = fused.views;
   }
   changes.proposals = propose(snapshot, store.next_node_id(), options);
   return changes;

@@ -23,10 +23,10 @@ struct Acceptance {
 struct ProposedChanges {
   std::vector<Proposal> proposals;
   Registration registration;
-  /// Of how many frames new surface was made.
+  /// Of how many frames new surface is made, if any is.
   std::size_t frames = 1;
 };
-/// `before`: further frames that measured the same state of the world.
+/// `before`: further frames; those that measured another state of the world have no say.
 [[nodiscard]] ProposedChanges propose_changes(const TrackedFrame& tracked, const Examination& examination,
                                               const std::vector<DepthView>& before, const Rig& rig,
                                               const SceneStore& store, const AdjustOptions& options);

@@ -32,19 +32,19 @@ Result<RigTrackerOptions> tracker_options(const std::string& markers, const std:
   return options;
 }
 
-/// $USER is left out where a service or a container starts the program.
-std::string login_name() {
-  const char* user = std::getenv("USER");
-  if (user != nullptr && *user != '\0') return user;
-  const passwd* entry = ::getpwuid(::geteuid());
-  return entry != nullptr && *entry->pw_name != '\0' ? entry->pw_name : "operator";
-}
-
 /// A name that would break the journal's lines is none.
 std::string check_name(const std::string& name) {
   const bool is_plain =
       std::none_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; });
   return is_plain ? std::string{} : "a name has no control characters";
+}
+
+/// $USER is left out where a service or a container starts the program.
+std::string login_name() {
+  const char* user = std::getenv("USER");
+  if (user != nullptr && *user != '\0' && check_name(user).empty()) return user;
+  const passwd* entry = ::getpwuid(::geteuid());
+  return entry != nullptr && *entry->pw_name != '\0' ? entry->pw_name : "operator";
 }
 
 }  // namespace

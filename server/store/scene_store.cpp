@@ -105,7 +105,6 @@ Result<SqliteSceneStore::Writing> SqliteSceneStore::begin_writing(Syncing syncin
     return fail(fmt::format("another program has changed '{}' meanwhile (revision {} became {}); open it again",
                             database_.file().string(), model_->revision, last->revision));
   }
-  if (auto ok = bring_up_to_date(database_); !ok) return fail(ok.error());
   return Writing{std::move(*transaction), *last, syncing};
 }
 
@@ -136,6 +135,7 @@ Result<std::shared_ptr<const Model>> SqliteSceneStore::write(Writing writing, Mo
   entry.info.revision = entry.place.revision = after.revision;
   entry.info.parent = model_->revision;
   if (entry.info.accepted_ns == 0) entry.info.accepted_ns = wall_clock_ns();
+  if (auto ok = bring_up_to_date(database_); !ok) return fail(ok.error());
   // The journal first: the rows of nodes refer to it.
   if (auto ok = append_entry(database_, entry); !ok) return fail(ok.error());
   if (auto ok = write_difference(database_, *model_, after); !ok) return fail(ok.error());

@@ -119,6 +119,36 @@ TEST(DepthFusion, WhatStandsBeforeASurfaceInOtherFramesDoesNotMoveIt) {
   EXPECT_EQ(fused.measurements(110, 110), 1);
 }
 
+// A box came after the third frame: the first three have no say about it, and do not keep it away.
+TEST(DepthFusion, FramesFromBeforeAChangeHaveNoSay) {
+  std::vector<Box> with_box = kScene;
+  with_box.push_back({{-0.1, -0.5, 1.0}, {0.1, -0.2, 1.2}});
+  std::vector<DepthImage> depths;
+  std::vector<DepthView> views;
+  depths.reserve(5);
+  for (int i = 0; i < 5; ++i) {
+    depths.push_back(
+        boxes::measure(i < 2 ? with_box : kScene, kCamera, held_pose(i), kKinect, 50u + static_cast<unsigned>(i)));
+    views.push_back({&depths.back(), held_pose(i)});
+  }
+  const auto truth = boxes::cast(with_box, kCamera, held_pose(0));
+  Image<std::uint8_t> mask{kCamera.width, kCamera.height, 1};
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (truth.box.pixels()[i] == 3) mask.pixels()[i] = 2;
+  }
+  const auto fused = fuse_depth(views, kCamera, kKinect, mask);
+  EXPECT_EQ(fused.views, 2u);
+  int kept = 0;
+  int all = 0;
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (mask.pixels()[i] != 2 || !(depths[0].pixels()[i] > 0)) continue;
+    ++all;
+    kept += fused.depth.pixels()[i] > 0 ? 1 : 0;
+  }
+  EXPECT_GT(all, 1000);
+  EXPECT_EQ(kept, all);
+}
+
 TEST(DepthFusion, AveragesAcrossViewsThatAreApart) {
   // Exact depth from places 20 cm apart: what is fused is as exact as what is looked up between pixels.
   std::vector<DepthImage> depths;

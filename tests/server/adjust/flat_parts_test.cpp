@@ -69,7 +69,7 @@ DepthGrid grid_of(const boxes::World& world) {
                       world.region(ChangeKind::insertion).id, world.rig.sensor);
 }
 
-TEST(FlatParts, FindsTheFacesOfABoxToAMillimetre) {
+TEST(FlatParts, FindsTheFacesOfABoxToAFifthOfAMillimetre) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const auto world = box_at_a_metre(seed);
     DepthGrid grid = grid_of(*world);
@@ -79,9 +79,53 @@ TEST(FlatParts, FindsTheFacesOfABoxToAMillimetre) {
     std::printf("%zu planes; %d of %d pixels; largest %.2f mm, rms %.2f mm\n", parts.planes.size(), m.on_planes,
                 m.members, 1000 * m.largest_m, 1000 * m.rms_m);
     EXPECT_EQ(parts.planes.size(), 3u);
-    EXPECT_GT(m.on_planes, 0.9 * m.members);
-    EXPECT_LT(m.largest_m, 0.001);
+    EXPECT_GT(m.on_planes, 0.995 * m.members);
+    EXPECT_LT(m.largest_m, 0.0002);
   }
+}
+
+TEST(FlatParts, NoTriangleOfAPatchTurnsAwayFromTheCamera) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    const auto world = box_at_a_metre(seed);
+    const auto patch = insertion_patch(world->snapshot(), world->region(ChangeKind::insertion).id, {});
+    const Eigen::Vector3f eye = world->T_depth_world.inverse().translation().cast<float>();
+    double turned_m2 = 0;
+    double all_m2 = 0;
+    for (const auto& [a, b, c] : patch.triangles) {
+      const Eigen::Vector3f& p = patch.positions[a];
+      const Eigen::Vector3f normal = (patch.positions[b] - p).cross(patch.positions[c] - p);
+      const double area_m2 = 0.5 * static_cast<double>(normal.norm());
+      all_m2 += area_m2;
+      if (normal.dot(eye - p) < 0) turned_m2 += area_m2;
+    }
+    std::printf("%.2f cm2 of %.0f face away\n", 1e4 * turned_m2, 1e4 * all_m2);
+    EXPECT_LT(turned_m2, 0.00001);
+  }
+}
+
+// Single pixels without a measurement within a face are closed, larger holes are not.
+TEST(FlatParts, GapsOfAPixelAreFilledOnThePlane) {
+  const auto world = box_at_a_metre(1);
+  DepthGrid grid = grid_of(*world);
+  DepthImage measured = world->frame.depth;
+  FlatParts parts = find_flat_parts(grid);
+  const int w = grid.window.width();
+  const auto at = [&](int x, int y) { return static_cast<std::size_t>(y * w + x); };
+  const int x = w / 2;
+  const int y = grid.window.height() / 2;
+  const auto plane = parts.plane_of_pixel[at(x, y)];
+  ASSERT_NE(plane, 0);
+  const auto forget = [&](int u, int v) {
+    measured(u + grid.window.x0, v + grid.window.y0) = 0;
+    grid.role[at(u, v)] = Role::outside;
+    parts.plane_of_pixel[at(u, v)] = 0;
+  };
+  forget(x, y);
+  for (int k = 0; k < 16; ++k) forget(x + 10 + k % 4, y + k / 4);
+  fill_gaps(grid, parts, measured);
+  EXPECT_EQ(grid.role[at(x, y)], Role::gap);
+  EXPECT_EQ(parts.plane_of_pixel[at(x, y)], plane);
+  EXPECT_EQ(grid.role[at(x + 11, y + 1)], Role::outside);
 }
 
 }  // namespace

@@ -125,6 +125,14 @@ TEST(Insertion, DropsSmallPieces) {
   EXPECT_FALSE(insertion_patch(world->snapshot(), id, all).triangles.empty());
 }
 
+TEST(Insertion, OfASpeckNothingIsDecimated) {
+  const Box speck{{0, 0, 1.5}, {0.012, 0.012, 1.6}};
+  const auto world = make_world({kWall, speck}, Pose::Identity());
+  AdjustOptions options;
+  options.decimate_sigmas = 0.3;
+  EXPECT_TRUE(insertion_patch(world->snapshot(), world->region(ChangeKind::insertion).id, options).triangles.empty());
+}
+
 TEST(Insertion, WhatIsSmallFollowsTheSizeOfTheImage) {
   const Box speck{{0, 0, 1.5}, {0.012, 0.012, 1.6}};
   auto world = make_world({kWall, speck}, Pose::Identity());
