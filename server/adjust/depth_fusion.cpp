@@ -134,22 +134,23 @@ Mean fuse_pixel(const std::vector<OtherView>& others, const Eigen::Vector3f& ray
   return mean_of(std::span{depths}.first(count), sigma_m);
 }
 
-/// Asked about every third pixel of what is new.
-bool sees_another_state(const OtherView& view, const DepthImage& first, const Camera& camera,
-                        const Image<std::uint8_t>& mask) {
+/// It does not see what is new, or another state of it. Asked about every third pixel.
+bool has_no_say(const OtherView& view, const DepthImage& first, const Camera& camera, const Image<std::uint8_t>& mask) {
   constexpr int kEvery_px = 3;
   if (mask.empty()) return false;
+  int asked = 0;
   int same = 0;
   int seen_through = 0;
   for (int y = 0; y < first.height(); y += kEvery_px) {
     for (int x = 0; x < first.width(); x += kEvery_px) {
       if (mask(x, y) < 2 || !is_depth(first(x, y))) continue;
+      ++asked;
       const Answer answer = view.ask(camera.back_project(x, y, 1).cast<float>(), first(x, y));
       same += answer.says == Says::same ? 1 : 0;
       seen_through += answer.says == Says::seen_through ? 1 : 0;
     }
   }
-  return seen_through > same;
+  return asked > 0 && seen_through >= same;
 }
 
 }  // namespace
@@ -178,7 +179,7 @@ FusedDepth fuse_depth(std::span<const DepthView> views, const Camera& camera, co
   std::vector<OtherView> others;
   for (const auto& view : views.subspan(1, std::min(views.size(), kMostFusedViews) - 1)) {
     OtherView other{view, T_world_first, camera, sensor};
-    if (!sees_another_state(other, first, camera, mask)) others.push_back(std::move(other));
+    if (!has_no_say(other, first, camera, mask)) others.push_back(std::move(other));
   }
   fused.views = others.size() + 1;
   for (int y = 0; y < first.height(); ++y) {

@@ -33,10 +33,10 @@ inline constexpr std::size_t kMostFusedViews = 16;
 /// Fuses the depth of up to kMostFusedViews views of one camera in the first one's pixels. The surface that the first
 /// view measured is looked up in each other view; what lies there within 3 sigma of the median is averaged, so that
 /// nothing is averaged across two surfaces. Views that look at a surface from more than 25 degrees aside have no say
-/// there, nor have those in which something stands before it. A view that sees through more of the new surface (`mask`
-/// 2) than it measures was made before that came, and has no say at all. Pixels of `mask` that are 0 keep what the
-/// first view measured; an empty mask is one of ones. There must be a view; each depth image, and the mask, has the
-/// camera's size.
+/// there, nor have those in which something stands before it. A view that does not measure more of the new surface
+/// (`mask` 2) than it sees through, made before that came or looking elsewhere, has no say at all. Pixels of `mask`
+/// that are 0 keep what the first view measured; an empty mask is one of ones. There must be a view; each depth image,
+/// and the mask, has the camera's size.
 [[nodiscard]] FusedDepth fuse_depth(std::span<const DepthView> views, const Camera& camera, const SensorModel& sensor,
                                     const Image<std::uint8_t>& mask);
 
