@@ -117,18 +117,15 @@ nlohmann::json registration_json(const Registration& registration, const Tracked
 }
 
 nlohmann::json move_json(const Move& move) {
-  const Eigen::Vector3d t = move.T_world_new_old.translation();
-  const Eigen::Quaterniond q{move.T_world_new_old.linear()};
   nlohmann::json along = nlohmann::json::array();
   for (const auto& other : move.along) along.push_back(other.node);
   const nlohmann::json new_node = move.new_node == 0 ? nlohmann::json(nullptr) : nlohmann::json(move.new_node);
-  return {
-      {"node", move.node},
-      {"new_node", new_node},
-      {"along", along},
-      {"T_world_new_old", {{"translation", {t.x(), t.y(), t.z()}}, {"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}}}},
-      {"confidence", move.confidence},
-      {"closes", move.closes}};
+  return {{"node", move.node},
+          {"new_node", new_node},
+          {"along", along},
+          {"T_world_new_old", pose_json(move.T_world_new_old)},
+          {"confidence", move.confidence},
+          {"closes", move.closes}};
 }
 
 nlohmann::json revision_json(const RevisionInfo& info) {
