@@ -29,6 +29,6 @@ inline constexpr int kCoarseColorStep = 8;
 /// Moves every position to the nearest point of the lattice coarsened by 1, 2, 4 or 8. Triangles that thereby lose
 /// their area, and vertices that nothing uses any more, are dropped; vertices stay separate. May leave no triangles
 /// (the result is then not valid).
-[[nodiscard]] Submesh snap_to_lattice(const Submesh& submesh, int coarsening = 1);
+[[nodiscard]] Submesh snap_to_lattice(Submesh submesh, int coarsening = 1);
 
 }  // namespace meshloop

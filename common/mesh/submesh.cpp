@@ -65,13 +65,16 @@ Hash content_hash(const Submesh& submesh) {
   return hash_of(bytes);
 }
 
-// In double precision the products of lattice coordinates are exact, so a thin triangle is not taken for an empty one.
-bool has_area(const Submesh& submesh, const Triangle& triangle) {
+namespace detail {
+
+bool has_area_exactly(const Submesh& submesh, const Triangle& triangle) {
   const Eigen::Vector3d p = submesh.positions[triangle[0]].cast<double>();
   const Eigen::Vector3d q = submesh.positions[triangle[1]].cast<double>();
   const Eigen::Vector3d r = submesh.positions[triangle[2]].cast<double>();
   return !(q - p).cross(r - p).isZero(0);
 }
+
+}  // namespace detail
 
 Submesh keep_triangles(const Submesh& submesh, const std::vector<bool>& keep) {
   constexpr auto kUnused = std::numeric_limits<std::uint32_t>::max();
@@ -81,6 +84,9 @@ Submesh keep_triangles(const Submesh& submesh, const std::vector<bool>& keep) {
     for (const auto index : submesh.triangles[t]) new_index[index] = 0;
   }
   Submesh kept;
+  kept.positions.reserve(submesh.positions.size());
+  kept.colors.reserve(submesh.colors.size());
+  kept.triangles.reserve(submesh.triangles.size());
   for (std::size_t i = 0; i < new_index.size(); ++i) {
     if (new_index[i] == kUnused) continue;
     new_index[i] = static_cast<std::uint32_t>(kept.positions.size());

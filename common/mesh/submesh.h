@@ -2,6 +2,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -39,8 +40,25 @@ inline constexpr std::size_t kMaxTriangles = 32'000'000;
 /// Hash over positions, colours and triangles.
 [[nodiscard]] Hash content_hash(const Submesh& submesh);
 
-/// Not all three corners lie on one line.
-[[nodiscard]] bool has_area(const Submesh& submesh, const Triangle& triangle);
+namespace detail {
+/// In double precision, in which the products of lattice coordinates are exact.
+[[nodiscard]] bool has_area_exactly(const Submesh& submesh, const Triangle& triangle);
+}  // namespace detail
+
+/// Not all three corners lie on one line. Of most triangles one coordinate of a cross product of floats tells it; thin
+/// ones are looked at exactly.
+[[nodiscard]] inline bool has_area(const Submesh& submesh, const Triangle& triangle) {
+  const Eigen::Vector3f& corner = submesh.positions[triangle[0]];
+  const Eigen::Vector3f along = submesh.positions[triangle[1]] - corner;
+  const Eigen::Vector3f across = submesh.positions[triangle[2]] - corner;
+  const auto differ = [](float a, float b) {
+    constexpr float kRounding = 5e-7f;  // of two differences and their product, each 2^-24
+    return std::abs(a - b) > kRounding * (std::abs(a) + std::abs(b));
+  };
+  return differ(along.x() * across.y(), along.y() * across.x()) ||
+         differ(along.y() * across.z(), along.z() * across.y()) ||
+         differ(along.z() * across.x(), along.x() * across.z()) || detail::has_area_exactly(submesh, triangle);
+}
 
 /// The submesh with only the triangles for which keep[t] is true; vertices that nothing uses are dropped, the others
 /// keep their order and their exact bits.
