@@ -1,7 +1,9 @@
 #include "server/adjust/color_lookup.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "common/mesh/lattice.h"
 #include "server/adjust/depth_grid.h"
@@ -12,14 +14,31 @@ namespace {
 constexpr float kNothing = 1e9f;
 // The error of rounding is 2.3 levels as root mean square, about a camera's noise; finer colours would mostly send that
 // noise. Steps of four take a tenth more bytes.
-constexpr float kColorStep = kCoarseColorStep;
-constexpr float kLargest = 256 - kColorStep;
+constexpr std::uint64_t kColorStep = kCoarseColorStep;
+static_assert(kColorStep == 8);
 
-std::uint8_t mix(std::uint8_t a, std::uint8_t b, std::uint8_t c, std::uint8_t d, float fx, float fy) {
-  const float top = static_cast<float>(a) + (static_cast<float>(b) - static_cast<float>(a)) * fx;
-  const float bottom = static_cast<float>(c) + (static_cast<float>(d) - static_cast<float>(c)) * fx;
-  const float value = std::floor((top + (bottom - top) * fy) / kColorStep + 0.5f) * kColorStep;
-  return static_cast<std::uint8_t>(std::min(value, kLargest));
+/// Red, green and blue side by side in one number, so that one multiplication weighs all three.
+constexpr int kLane_bits = 21;
+/// Fractions of a pixel are in units of 1 / 32, so that two weights and a level of 255 fit into a lane.
+constexpr std::uint64_t kUnit = 32;
+
+std::uint64_t lanes(const Rgb8& p) {
+  return static_cast<std::uint64_t>(p.r) | static_cast<std::uint64_t>(p.g) << kLane_bits |
+         static_cast<std::uint64_t>(p.b) << (2 * kLane_bits);
+}
+
+constexpr std::uint64_t in_each_lane(std::uint64_t value) {
+  return value | value << kLane_bits | value << (2 * kLane_bits);
+}
+
+// All three lanes at once: to the nearest step, of which there are 32; what would be the 33rd is the 32nd.
+Rgb8 rounded(std::uint64_t sum) {
+  constexpr std::uint64_t kStep = kColorStep * kUnit * kUnit;
+  constexpr int kStep_bits = std::countr_zero(kStep);
+  const std::uint64_t steps = (sum + in_each_lane(kStep / 2)) >> kStep_bits & in_each_lane(63);
+  const std::uint64_t levels = (steps - (steps >> 5 & in_each_lane(1))) * kColorStep;
+  return {static_cast<std::uint8_t>(levels), static_cast<std::uint8_t>(levels >> kLane_bits),
+          static_cast<std::uint8_t>(levels >> (2 * kLane_bits))};
 }
 
 }  // namespace
@@ -39,54 +58,75 @@ void ColorLookup::draw(const DepthImage& measured, const Camera& depth) {
   const int w = static_cast<int>(std::ceil(static_cast<float>(camera_.width) * scale_)) + 1;
   const int h = static_cast<int>(std::ceil(static_cast<float>(camera_.height) * scale_)) + 1;
   nearest_ = DepthImage{w, h, kNothing};
-  const auto per_fx = static_cast<float>(1 / depth.fx);
-  const auto per_fy = static_cast<float>(1 / depth.fy);
-  const float fx = static_cast<float>(camera_.fx) * scale_;
-  const float fy = static_cast<float>(camera_.fy) * scale_;
-  const float cx = static_cast<float>(camera_.cx) * scale_;
-  const float cy = static_cast<float>(camera_.cy) * scale_;
-  for (int v = 0; v < measured.height(); ++v) {
-    const float y_ray = (static_cast<float>(v) - static_cast<float>(depth.cy)) * per_fy;
-    const float* row = measured.data() + static_cast<std::ptrdiff_t>(v) * measured.width();
-    for (int u = 0; u < measured.width(); ++u) {
-      const float z = row[u];
-      if (!(z > 0)) continue;
-      const float x_ray = (static_cast<float>(u) - static_cast<float>(depth.cx)) * per_fx;
-      const Eigen::Vector3f p = R_color_depth_ * Eigen::Vector3f{x_ray * z, y_ray * z, z} + t_color_depth_;
-      if (!(p.z() > 0.01f)) continue;
-      const float fu = fx * p.x() / p.z() + cx;
-      const float fv = fy * p.y() / p.z() + cy;
-      if (!(fu >= 0 && fv >= 0 && fu < static_cast<float>(w - 1) && fv < static_cast<float>(h - 1))) continue;
-      float* cell = nearest_.data() + static_cast<std::ptrdiff_t>(fv) * w + static_cast<std::ptrdiff_t>(fu);
-      cell[0] = std::min(cell[0], p.z());
-      cell[1] = std::min(cell[1], p.z());
-      cell[w] = std::min(cell[w], p.z());
-      cell[w + 1] = std::min(cell[w + 1], p.z());
+  const auto columns = static_cast<std::size_t>(measured.width());
+  std::vector<float> u(columns);
+  std::vector<float> v(columns);
+  std::vector<float> z(columns);
+  for (int y = 0; y < measured.height(); ++y) {
+    project_row(measured, y, depth, {u.data(), v.data(), z.data()});
+    for (std::size_t x = 0; x < columns; ++x) {
+      if (!(z[x] > 0.01f && u[x] >= 0 && v[x] >= 0 && u[x] < static_cast<float>(w - 1) &&
+            v[x] < static_cast<float>(h - 1)))
+        continue;
+      float* cell = nearest_.data() + static_cast<std::ptrdiff_t>(v[x]) * w + static_cast<std::ptrdiff_t>(u[x]);
+      cell[0] = std::min(cell[0], z[x]);
+      cell[1] = std::min(cell[1], z[x]);
+      cell[w] = std::min(cell[w], z[x]);
+      cell[w + 1] = std::min(cell[w + 1], z[x]);
     }
   }
 }
 
-std::optional<Rgb8> ColorLookup::bilinear(float u, float v) const {
+// Without branches, so that several pixels are projected at once; what was not measured comes to lie behind the camera.
+void ColorLookup::project_row(const DepthImage& measured, int y, const Camera& depth, const Places& places) const {
+  const float fx = static_cast<float>(camera_.fx) * scale_;
+  const float fy = static_cast<float>(camera_.fy) * scale_;
+  const float cx = static_cast<float>(camera_.cx) * scale_;
+  const float cy = static_cast<float>(camera_.cy) * scale_;
+  const auto per_fx = static_cast<float>(1 / depth.fx);
+  const auto depth_cx = static_cast<float>(depth.cx);
+  const Eigen::Vector3f along = R_color_depth_.col(0) * per_fx;
+  const Eigen::Vector3f first =
+      R_color_depth_ * Eigen::Vector3f{0, static_cast<float>((y - depth.cy) / depth.fy), 1} - along * depth_cx;
+  const Eigen::Vector3f t = t_color_depth_;
+  const float* row = measured.data() + static_cast<std::ptrdiff_t>(y) * measured.width();
+  for (int x = 0; x < measured.width(); ++x) {
+    const auto column = static_cast<float>(x);
+    const float z = row[x];
+    const float p_x = (first.x() + along.x() * column) * z + t.x();
+    const float p_y = (first.y() + along.y() * column) * z + t.y();
+    const float p_z = (first.z() + along.z() * column) * z + t.z();
+    const float per_z = 1 / p_z;
+    places.u[x] = fx * p_x * per_z + cx;
+    places.v[x] = fy * p_y * per_z + cy;
+    places.z[x] = z > 0 ? p_z : -1.0f;
+  }
+}
+
+inline std::optional<Rgb8> ColorLookup::bilinear(float u, float v) const {
   const auto last_x = static_cast<float>(color_->width() - 1);
   const auto last_y = static_cast<float>(color_->height() - 1);
   if (!(u >= -0.5f && v >= -0.5f && u <= last_x + 0.5f && v <= last_y + 0.5f)) return std::nullopt;
-  u = std::clamp(u, 0.0f, last_x);
-  v = std::clamp(v, 0.0f, last_y);
-  const int x = std::min(static_cast<int>(u), color_->width() - 2);
-  const int y = std::min(static_cast<int>(v), color_->height() - 2);
-  const float fx = u - static_cast<float>(x);
-  const float fy = v - static_cast<float>(y);
+  constexpr auto kPerPixel = static_cast<int>(kUnit);
+  const int u_units = static_cast<int>(std::clamp(u, 0.0f, last_x) * kPerPixel + 0.5f);
+  const int v_units = static_cast<int>(std::clamp(v, 0.0f, last_y) * kPerPixel + 0.5f);
+  const int x = std::min(u_units / kPerPixel, color_->width() - 2);
+  const int y = std::min(v_units / kPerPixel, color_->height() - 2);
+  const auto fx = static_cast<std::uint64_t>(u_units - x * kPerPixel);
+  const auto fy = static_cast<std::uint64_t>(v_units - y * kPerPixel);
   const Rgb8* p = color_->data() + static_cast<std::ptrdiff_t>(y) * color_->width() + x;
   const Rgb8* q = p + color_->width();
-  return Rgb8{mix(p[0].r, p[1].r, q[0].r, q[1].r, fx, fy), mix(p[0].g, p[1].g, q[0].g, q[1].g, fx, fy),
-              mix(p[0].b, p[1].b, q[0].b, q[1].b, fx, fy)};
+  const std::uint64_t top = lanes(p[0]) * (kUnit - fx) + lanes(p[1]) * fx;
+  const std::uint64_t bottom = lanes(q[0]) * (kUnit - fx) + lanes(q[1]) * fx;
+  return rounded(top * (kUnit - fy) + bottom * fy);
 }
 
-std::optional<Rgb8> ColorLookup::color_of(const Eigen::Vector3f& p_depth, float sigma_m) const {
+inline std::optional<Rgb8> ColorLookup::look_up(const Eigen::Vector3f& p_depth, float sigma_m) const {
   const Eigen::Vector3f p = R_color_depth_ * p_depth + t_color_depth_;
   if (nearest_.empty() || !(p.z() > 0.01f)) return std::nullopt;
-  const float u = static_cast<float>(camera_.fx) * p.x() / p.z() + static_cast<float>(camera_.cx);
-  const float v = static_cast<float>(camera_.fy) * p.y() / p.z() + static_cast<float>(camera_.cy);
+  const float per_z = 1 / p.z();
+  const float u = static_cast<float>(camera_.fx) * p.x() * per_z + static_cast<float>(camera_.cx);
+  const float v = static_cast<float>(camera_.fy) * p.y() * per_z + static_cast<float>(camera_.cy);
   const auto color = bilinear(u, v);
   if (!color) return std::nullopt;
   const auto cell_x = static_cast<int>(std::max(u * scale_ + 0.5f, 0.0f));
@@ -94,6 +134,22 @@ std::optional<Rgb8> ColorLookup::color_of(const Eigen::Vector3f& p_depth, float 
   const float nearest = nearest_(std::min(cell_x, nearest_.width() - 1), std::min(cell_y, nearest_.height() - 1));
   if (p.z() > nearest + 3 * sigma_m + p.z() * step_per_m_) return std::nullopt;
   return color;
+}
+
+std::optional<Rgb8> ColorLookup::color_of(const Eigen::Vector3f& p_depth, float sigma_m) const {
+  return look_up(p_depth, sigma_m);
+}
+
+ColorsOfPoints ColorLookup::colors_of(std::span<const Eigen::Vector3f> points_depth,
+                                      std::span<const float> sigmas_m) const {
+  ColorsOfPoints found{std::vector<Rgb8>(points_depth.size()), std::vector<std::uint8_t>(points_depth.size(), 0)};
+  for (std::size_t i = 0; i < points_depth.size(); ++i) {
+    const auto color = look_up(points_depth[i], sigmas_m[i]);
+    if (!color) continue;
+    found.colors[i] = *color;
+    found.seen[i] = 1;
+  }
+  return found;
 }
 
 }  // namespace meshloop::adjust

@@ -1,10 +1,18 @@
 #pragma once
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "server/adjust/proposal.h"
 
 namespace meshloop::adjust {
+
+struct ColorsOfPoints {
+  std::vector<Rgb8> colors;
+  /// 1 where there is a colour.
+  std::vector<std::uint8_t> seen;
+};
 
 /// What the colour camera sees of points in the depth camera's frame (common/geometry/README.md, equation 4), with
 /// visibility between the two cameras resolved: all measured surfaces are drawn into a depth buffer of the colour
@@ -18,8 +26,21 @@ class ColorLookup {
   /// three sigma and what two neighbouring pixels of one surface can differ.
   [[nodiscard]] std::optional<Rgb8> color_of(const Eigen::Vector3f& p_depth, float sigma_m) const;
 
+  /// The same for many; as many sigmas as points.
+  [[nodiscard]] ColorsOfPoints colors_of(std::span<const Eigen::Vector3f> points_depth,
+                                         std::span<const float> sigmas_m) const;
+
  private:
+  /// In cells of the buffer, and metres along the colour camera's axis; of one row of the depth image.
+  struct Places {
+    float* u;
+    float* v;
+    float* z;
+  };
+  void project_row(const DepthImage& measured, int y, const Camera& depth, const Places& places) const;
   void draw(const DepthImage& measured, const Camera& depth);
+  // Inline in color_lookup.cpp, where they are used.
+  [[nodiscard]] std::optional<Rgb8> look_up(const Eigen::Vector3f& p_depth, float sigma_m) const;
   [[nodiscard]] std::optional<Rgb8> bilinear(float u, float v) const;
 
   const ColorImage* color_;

@@ -1,11 +1,10 @@
 #include "server/adjust/depth_grid.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
-
-#include "common/base/connected.h"
 
 namespace meshloop::adjust {
 namespace {
@@ -87,10 +86,18 @@ void set_noise(DepthGrid& grid, const Image<std::uint8_t>& measurements, const S
 
 constexpr int kRadius = 2;
 constexpr float kCut_sigmas = 5;
+/// So many pixels of a row are smoothed at once: their sums stay in registers.
+constexpr int kAtOnce = 8;
+using Few = Eigen::Array<float, kAtOnce, 1>;
+
+// Whole steps of kAtOnce, so that the last ones of a row have something to read too.
+int padded_width(const Window& window) {
+  return (window.width() + kAtOnce - 1) / kAtOnce * kAtOnce + 2 * kRadius;
+}
 
 // The window with kRadius more pixels to each side, 0 outside the image.
 std::vector<float> padded_copy(const DepthImage& measured, const Window& window) {
-  const int w = window.width() + 2 * kRadius;
+  const int w = padded_width(window);
   std::vector<float> copy(static_cast<std::size_t>(w) * static_cast<std::size_t>(window.height() + 2 * kRadius), 0.0f);
   const int first = std::max(window.x0 - kRadius, 0);
   const int last = std::min(window.x1 + kRadius, measured.width());
@@ -102,34 +109,32 @@ std::vector<float> padded_copy(const DepthImage& measured, const Window& window)
   return copy;
 }
 
-float spatial_weight(int dx, int dy) {
+/// Weights of the pixels of the 5x5 window, by row.
+std::array<float, 25> spatial_weights() {
   constexpr float kSigma_px = 1.2f;
-  return std::exp(-static_cast<float>(dx * dx + dy * dy) / (2 * kSigma_px * kSigma_px));
+  std::array<float, 25> weights{};
+  for (int i = 0; i < 25; ++i) {
+    const int dx = i % 5 - kRadius;
+    const int dy = i / 5 - kRadius;
+    weights[static_cast<std::size_t>(i)] =
+        std::exp(-static_cast<float>(dx * dx + dy * dy) / (2 * kSigma_px * kSigma_px));
+  }
+  return weights;
 }
 
-/// The edges of a 2x2 block of pixels that lie on one surface.
-struct Steps {
-  float across;   // per metre of depth, to the next column
-  float down;     // to the next row
-  float slanted;  // to the next of both
-  float sigmas;
-};
-
-struct Corner {
-  float z;
-  float sigma;
-  std::uint16_t line;
-};
-
-/// They lie on one straight line; a corner, of which there is one among several lines, lies on each of them.
-bool on_one_line(const Corner& a, const Corner& b) {
-  return a.line != 0 && b.line != 0 && (a.line == b.line || a.line == kCornerOfLines || b.line == kCornerOfLines);
-}
-
-bool joined(const Corner& a, const Corner& b, float step, float sigmas) {
-  if (a.z <= 0 || b.z <= 0) return false;
-  const Corner& nearer = a.z < b.z ? a : b;
-  return std::abs(a.z - b.z) <= nearer.z * step + sigmas * nearer.sigma;
+// By how much a few pixels are too near. `source` is the top left of the first one's window. Tukey's weight: smooth,
+// and 0 from kCut_sigmas on; a missing measurement (0) is far beyond.
+Few mean_shift(const float* source, std::ptrdiff_t stride, const std::array<float, 25>& weights, const Few& z,
+               const Few& per_cut2) {
+  Few shift = Few::Zero();
+  Few weight = Few::Zero();
+  for (std::ptrdiff_t i = 0; i < 25; ++i) {
+    const Few d = Eigen::Map<const Few>(source + i / 5 * stride + i % 5) - z;
+    const Few share = weights[static_cast<std::size_t>(i)] * (1 - d.square() * per_cut2).max(0.0f).square();
+    shift += share * d;
+    weight += share;
+  }
+  return (weight > 0).select(shift / weight, 0.0f);
 }
 
 }  // namespace
@@ -169,108 +174,25 @@ DepthGrid select_patch(const Comparison& comparison, const DepthImage& measured,
 
 void smooth(DepthGrid& grid, const DepthImage& measured) {
   const int w = grid.window.width();
-  const int padded_w = w + 2 * kRadius;
+  const int stride = padded_width(grid.window);
   const auto source = padded_copy(measured, grid.window);
-  const auto columns = static_cast<std::size_t>(w);
-  std::vector<float> shift(columns);
-  std::vector<float> weight(columns);
-  std::vector<float> per_cut2(columns);
+  const auto weights = spatial_weights();
   for (int y = 0; y < grid.window.height(); ++y) {
-    float* z = grid.z.data() + static_cast<std::ptrdiff_t>(y) * w;
-    const float* sigma = grid.sigma.data() + static_cast<std::ptrdiff_t>(y) * w;
-    for (std::size_t x = 0; x < columns; ++x)
-      per_cut2[x] = 1.0f / (kCut_sigmas * kCut_sigmas * sigma[x] * sigma[x] + 1e-12f);
-    std::fill(shift.begin(), shift.end(), 0.0f);
-    std::fill(weight.begin(), weight.end(), 0.0f);
-    for (int dy = 0; dy <= 2 * kRadius; ++dy) {
-      for (int dx = 0; dx <= 2 * kRadius; ++dx) {
-        const float near = spatial_weight(dx - kRadius, dy - kRadius);
-        const float* other = source.data() + static_cast<std::ptrdiff_t>(y + dy) * padded_w + dx;
-        for (std::size_t x = 0; x < columns; ++x) {
-          const float d = other[x] - z[x];
-          // Tukey's weight: smooth, and 0 from kCut_sigmas on; a missing measurement (0) is far beyond.
-          const float inside = std::max(0.0f, 1 - d * d * per_cut2[x]);
-          const float share = near * inside * inside;
-          shift[x] += share * d;
-          weight[x] += share;
-        }
+    for (int x = 0; x < w; x += kAtOnce) {
+      const int first = y * w + x;
+      const int count = std::min(kAtOnce, w - x);
+      Few z = Few::Zero();
+      Few sigma = Few::Zero();
+      std::copy_n(grid.z.data() + first, count, z.data());
+      std::copy_n(grid.sigma.data() + first, count, sigma.data());
+      const Few per_cut2 = 1 / ((kCut_sigmas * sigma).square() + 1e-12f);
+      z += mean_shift(source.data() + static_cast<std::ptrdiff_t>(y) * stride + x, stride, weights, z, per_cut2);
+      for (int k = 0; k < count; ++k) {
+        const auto i = static_cast<std::size_t>(first + k);
+        if (grid.role[i] == Role::member) grid.z[i] = z[k];
       }
     }
-    const Role* role = grid.role.data() + static_cast<std::ptrdiff_t>(y) * w;
-    for (std::size_t x = 0; x < columns; ++x) {
-      if (role[x] == Role::member && weight[x] > 0) z[x] += shift[x] / weight[x];
-    }
   }
-}
-
-namespace {
-
-// Up to two triangles of the block whose corners are 0 (top left), 1 (top right), 2 (bottom left), 3 (bottom right).
-void triangulate_block(const std::array<Corner, 4>& c, const std::array<std::uint32_t, 4>& index, const Steps& steps,
-                       std::vector<Triangle>& triangles) {
-  const bool top = joined(c[0], c[1], steps.across, steps.sigmas);
-  const bool bottom = joined(c[2], c[3], steps.across, steps.sigmas);
-  const bool left = joined(c[0], c[2], steps.down, steps.sigmas);
-  const bool right = joined(c[1], c[3], steps.down, steps.sigmas);
-  const bool falling = joined(c[0], c[3], steps.slanted, steps.sigmas);
-  const bool rising = joined(c[1], c[2], steps.slanted, steps.sigmas);
-  const auto both = [](bool diagonal, bool first, bool second) {
-    return diagonal ? static_cast<int>(first) + static_cast<int>(second) : 0;
-  };
-  const int along_falling = both(falling, left && bottom, top && right);
-  const int along_rising = both(rising, top && left, bottom && right);
-  const bool flatter_falls = std::abs(c[0].z - c[3].z) <= std::abs(c[1].z - c[2].z);
-  const bool line_falls = on_one_line(c[0], c[3]);
-  const bool line_rises = on_one_line(c[1], c[2]);
-  const bool better_falls = line_falls != line_rises ? line_falls : flatter_falls;
-  if (along_falling > along_rising || (along_falling == along_rising && better_falls)) {
-    if (falling && left && bottom) triangles.push_back({index[0], index[2], index[3]});
-    if (falling && top && right) triangles.push_back({index[0], index[3], index[1]});
-  } else {
-    if (rising && top && left) triangles.push_back({index[0], index[2], index[1]});
-    if (rising && bottom && right) triangles.push_back({index[1], index[2], index[3]});
-  }
-}
-
-}  // namespace
-
-std::vector<Triangle> triangulate(const DepthGrid& grid, const Camera& camera, double discontinuity_sigmas,
-                                  const std::vector<std::uint16_t>& lines) {
-  const Steps steps{static_cast<float>(kSteepest / camera.fx), static_cast<float>(kSteepest / camera.fy),
-                    static_cast<float>(kSteepest * std::hypot(1 / camera.fx, 1 / camera.fy)),
-                    static_cast<float>(discontinuity_sigmas)};
-  std::vector<Triangle> all;
-  all.reserve(2 * grid.z.size());
-  const auto w = static_cast<std::uint32_t>(std::max(grid.window.width(), 0));
-  for (int y = 0; y + 1 < grid.window.height(); ++y) {
-    for (std::uint32_t x = 0; x + 1 < w; ++x) {
-      const std::uint32_t first = static_cast<std::uint32_t>(y) * w + x;
-      const std::array<std::uint32_t, 4> index{first, first + 1, first + w, first + w + 1};
-      std::array<Corner, 4> corners;
-      int corners_there = 0;
-      for (std::size_t i = 0; i < 4; ++i) {
-        corners[i] = {grid.z[index[i]], grid.sigma[index[i]], lines.empty() ? std::uint16_t{0} : lines[index[i]]};
-        corners_there += corners[i].z > 0 ? 1 : 0;
-      }
-      if (corners_there >= 3) triangulate_block(corners, index, steps, all);
-    }
-  }
-  const auto only_rim = [&](const Triangle& t) {
-    return std::none_of(t.begin(), t.end(), [&](std::uint32_t i) { return is_part(grid.role[i]); });
-  };
-  all.erase(std::remove_if(all.begin(), all.end(), only_rim), all.end());
-  return all;
-}
-
-void drop_small_pieces(std::vector<Triangle>& triangles, std::size_t vertex_count, std::size_t smallest) {
-  Connected connected{vertex_count};
-  for (const auto& [a, b, c] : triangles) {
-    connected.join(a, b);
-    connected.join(b, c);
-  }
-  std::vector<std::uint32_t> count(vertex_count, 0);
-  for (const auto& t : triangles) ++count[connected.first_of(t[0])];
-  std::erase_if(triangles, [&](const Triangle& t) { return count[connected.first_of(t[0])] < smallest; });
 }
 
 }  // namespace meshloop::adjust

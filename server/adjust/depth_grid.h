@@ -1,14 +1,12 @@
 #pragma once
-// A window of the depth image, and the triangles between its pixels. Flat arrays, row by row.
+// A window of the depth image. Flat arrays, row by row.
 #include <cstdint>
 #include <vector>
 
 #include "common/change/comparison.h"
 #include "common/change/region.h"
-#include "common/geometry/camera.h"
 #include "common/geometry/sensor_model.h"
 #include "common/image/image.h"
-#include "common/mesh/submesh.h"
 
 namespace meshloop::adjust {
 
@@ -37,9 +35,6 @@ enum class Role : std::uint8_t { outside, rim, model_rim, gap, member };
   return role == Role::member || role == Role::gap;
 }
 
-/// In place of a line's number: a point in which several lines meet.
-inline constexpr std::uint16_t kCornerOfLines = 0xffff;
-
 /// Depths of a window, with their role in a patch.
 struct DepthGrid {
   Window window;
@@ -61,16 +56,6 @@ struct DepthGrid {
 /// One bilateral pass over the members: neighbours in a 5x5 window count less the farther away they are, and not at all
 /// beyond five sigma of depth. `measured` is the whole frame, so that a patch's border is smoothed like its middle.
 void smooth(DepthGrid& grid, const DepthImage& measured);
-
-/// Triangles between neighbouring pixels, with positions in the window as indices; counter-clockwise towards the
-/// camera. Left out: edges across depth discontinuities (see AdjustOptions), and triangles without a part of the patch.
-/// `lines` (empty, or as long as the grid's vectors): of two diagonals the one is taken that joins pixels of one line,
-/// which have the same number that is not 0, or kCornerOfLines.
-[[nodiscard]] std::vector<Triangle> triangulate(const DepthGrid& grid, const Camera& camera,
-                                                double discontinuity_sigmas, const std::vector<std::uint16_t>& lines);
-
-/// Drops the triangles of connected patches (sharing a vertex) with fewer than `smallest` triangles.
-void drop_small_pieces(std::vector<Triangle>& triangles, std::size_t vertex_count, std::size_t smallest);
 
 /// Depth by which a surface seen at 80 degrees changes from one pixel to the next, per metre of distance and for a
 /// focal length of one pixel.

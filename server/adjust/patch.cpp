@@ -11,38 +11,17 @@
 #include "server/adjust/decimate.h"
 #include "server/adjust/depth_grid.h"
 #include "server/adjust/flat_parts.h"
+#include "server/adjust/grid_mesh.h"
 #include "server/adjust/straight_lines.h"
 
 namespace meshloop::adjust {
 namespace {
 
 constexpr Rgb8 kGrey{128, 128, 128};
-constexpr auto kUnused = std::numeric_limits<std::uint32_t>::max();
 
 // Smoothing a sensor that is nearly free of noise would only round its edges.
 bool worth_smoothing(const SensorModel& sensor) {
   return sensor.kind() != SensorModel::Kind::constant || sensor.constant_m() >= 0.0015;
-}
-
-/// The used pixels of a grid, numbered.
-struct Vertices {
-  std::vector<std::uint32_t> pixels;
-  /// kUnused where a pixel is no vertex.
-  std::vector<std::uint32_t> number_of_pixel;
-};
-
-Vertices number_vertices(const std::vector<Triangle>& triangles, std::size_t pixel_count) {
-  Vertices vertices;
-  vertices.number_of_pixel.assign(pixel_count, kUnused);
-  for (const auto& triangle : triangles) {
-    for (const auto i : triangle) vertices.number_of_pixel[i] = 0;
-  }
-  for (std::size_t i = 0; i < pixel_count; ++i) {
-    if (vertices.number_of_pixel[i] == kUnused) continue;
-    vertices.number_of_pixel[i] = static_cast<std::uint32_t>(vertices.pixels.size());
-    vertices.pixels.push_back(static_cast<std::uint32_t>(i));
-  }
-  return vertices;
 }
 
 /// Where a vertex takes its colour from: what was put onto the border's straight lines lies half a pixel or more beyond
@@ -55,30 +34,31 @@ VertexPlaces colored_places(VertexPlaces moved) {
 }
 
 std::vector<Eigen::Vector3f> back_project(const DepthGrid& grid, const VertexPlaces& moved, const Camera& camera,
-                                          const Vertices& vertices) {
+                                          const GridVertices& vertices) {
   std::vector<Eigen::Vector3f> points;
   points.reserve(vertices.pixels.size());
   const auto corner_u = static_cast<float>(grid.window.x0 - camera.cx);
   const auto corner_v = static_cast<float>(grid.window.y0 - camera.cy);
+  const auto per_fx = static_cast<float>(1 / camera.fx);
+  const auto per_fy = static_cast<float>(1 / camera.fy);
   const auto w = static_cast<std::uint32_t>(grid.window.width());
+  std::uint32_t row = 0;
   for (const auto i : vertices.pixels) {
-    Eigen::Vector3f p{static_cast<float>(i % w), static_cast<float>(i / w), grid.z[i]};
+    while (i >= (row + 1) * w) ++row;
+    Eigen::Vector3f p{static_cast<float>(i - row * w), static_cast<float>(row), grid.z[i]};
     if (!moved.places.empty() && moved.places[i].z() > 0) p = moved.places[i];
-    const float u = p.x() + corner_u;
-    const float v = p.y() + corner_v;
-    points.emplace_back(u * p.z() / static_cast<float>(camera.fx), v * p.z() / static_cast<float>(camera.fy), p.z());
+    points.emplace_back((p.x() + corner_u) * p.z() * per_fx, (p.y() + corner_v) * p.z() * per_fy, p.z());
   }
   return points;
 }
 
 // Breadth first over the pixel grid, from all coloured vertices at once: each other one takes the nearest one's colour.
-void spread_colors(const DepthGrid& grid, const Vertices& vertices, std::vector<bool>& colored,
-                   std::vector<Rgb8>& colors) {
+void spread_colors(const DepthGrid& grid, const GridVertices& vertices, ColorsOfPoints& found) {
   const int w = grid.window.width();
   std::vector<std::uint32_t> queue;
   queue.reserve(vertices.pixels.size());
-  for (std::size_t n = 0; n < colors.size(); ++n) {
-    if (colored[n]) queue.push_back(vertices.pixels[n]);
+  for (std::size_t n = 0; n < found.colors.size(); ++n) {
+    if (found.seen[n] != 0) queue.push_back(vertices.pixels[n]);
   }
   for (std::size_t head = 0; head < queue.size(); ++head) {
     const auto from = vertices.number_of_pixel[queue[head]];
@@ -90,52 +70,55 @@ void spread_colors(const DepthGrid& grid, const Vertices& vertices, std::vector<
       if (nx < 0 || ny < 0 || nx >= w || ny >= grid.window.height()) continue;
       const auto pixel = static_cast<std::uint32_t>(ny * w + nx);
       const auto to = vertices.number_of_pixel[pixel];
-      if (to == kUnused || colored[to]) continue;
-      colored[to] = true;
-      colors[to] = colors[from];
+      if (vertices.is_vertex[pixel] == 0 || found.seen[to] != 0) continue;
+      found.seen[to] = 1;
+      found.colors[to] = found.colors[from];
       queue.push_back(pixel);
     }
   }
-}
-
-std::vector<Rgb8> color_vertices(const DepthGrid& grid, const Vertices& vertices,
-                                 const std::vector<Eigen::Vector3f>& points, const ColorLookup& lookup) {
-  std::vector<Rgb8> colors(points.size(), kGrey);
-  std::vector<bool> colored(points.size(), false);
-  bool all = true;
-  for (std::size_t n = 0; n < points.size(); ++n) {
-    const auto pixel = vertices.pixels[n];
-    // What was not measured may not be what the colour camera sees there.
-    const auto color = grid.role[pixel] == Role::gap ? std::nullopt : lookup.color_of(points[n], grid.sigma[pixel]);
-    colored[n] = color.has_value();
-    if (color) colors[n] = *color;
-    all = all && color;
+  for (std::size_t n = 0; n < found.colors.size(); ++n) {
+    if (found.seen[n] == 0) found.colors[n] = kGrey;
   }
-  if (!all) spread_colors(grid, vertices, colored, colors);
-  return colors;
 }
 
-float median(std::vector<float> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
+std::vector<Rgb8> color_vertices(const DepthGrid& grid, const GridVertices& vertices,
+                                 const std::vector<Eigen::Vector3f>& points, const ColorLookup& lookup) {
+  std::vector<float> sigmas(points.size());
+  std::transform(vertices.pixels.begin(), vertices.pixels.end(), sigmas.begin(),
+                 [&](std::uint32_t pixel) { return grid.sigma[pixel]; });
+  auto found = lookup.colors_of(points, sigmas);
+  for (std::size_t n = 0; n < points.size(); ++n) {
+    // What was not measured may not be what the colour camera sees there.
+    if (grid.role[vertices.pixels[n]] == Role::gap) found.seen[n] = 0;
+  }
+  const bool all = std::find(found.seen.begin(), found.seen.end(), std::uint8_t{0}) == found.seen.end();
+  if (!all) spread_colors(grid, vertices, found);
+  return std::move(found.colors);
+}
+
+/// Of a patch's vertices: of some thousand of them, which is what a median needs. There must be some.
+float median_over(const GridVertices& vertices, const std::vector<float>& values) {
+  constexpr std::size_t kEnough = 4096;
+  const std::size_t step = vertices.pixels.size() / kEnough + 1;
+  std::vector<float> some;
+  some.reserve(kEnough);
+  for (std::size_t n = 0; n < vertices.pixels.size(); n += step) some.push_back(values[vertices.pixels[n]]);
+  const auto middle = some.begin() + static_cast<std::ptrdiff_t>(some.size() / 2);
+  std::nth_element(some.begin(), middle, some.end());
   return *middle;
 }
 
 /// Of the measurements behind a patch's vertices; there must be some.
-float sigma_of(const DepthGrid& grid, const Vertices& vertices) {
-  std::vector<float> sigmas;
-  for (const auto pixel : vertices.pixels) sigmas.push_back(grid.sigma[pixel]);
-  return median(std::move(sigmas));
+float sigma_of(const DepthGrid& grid, const GridVertices& vertices) {
+  return median_over(vertices, grid.sigma);
 }
 
 // Rounding adds spacing / sqrt(12) of noise (uniform distribution): at most a fifth of the sensor's own. And where the
 // lattice is not clearly finer than the pixels, triangles fold over: with a spacing of 0.75 of a pixel's width 0.3 % of
 // a Kinect's lose their area, with 1.2 times it 13 %.
-int coarsening(const DepthGrid& grid, const Vertices& vertices, const Camera& camera) {
+int coarsening(const DepthGrid& grid, const GridVertices& vertices, const Camera& camera) {
   constexpr float kShareOfPixel = 0.75f;
-  std::vector<float> depths;
-  for (const auto pixel : vertices.pixels) depths.push_back(grid.z[pixel]);
-  const float pixel_m = median(std::move(depths)) / static_cast<float>(std::max(camera.fx, camera.fy));
+  const float pixel_m = median_over(vertices, grid.z) / static_cast<float>(std::max(camera.fx, camera.fy));
   const float largest_m = std::min(sigma_of(grid, vertices) * std::sqrt(12.0f) / 5, kShareOfPixel * pixel_m);
   if (4 * kLatticeSpacing_m <= largest_m) return 4;
   return 2 * kLatticeSpacing_m <= largest_m ? 2 : 1;
@@ -184,16 +167,18 @@ Submesh make_patch(const Snapshot& snapshot, RegionId region, const AdjustOption
     snap_to_planes(grid, parts);
     places = meet_in_lines(grid, parts, *snapshot.comparison);
   }
-  auto triangles = triangulate(grid, rig.depth, options.discontinuity_sigmas, places.lines);
-  drop_small_pieces(triangles, grid.z.size(), least_triangles(options, rig.depth));
-  if (triangles.empty()) return {};
-  if (!parts.planes.empty()) straighten_border(grid, parts, triangles, places);
+  GridMesh mesh = join_pixels(grid, rig.depth, options.discontinuity_sigmas, places.lines);
+  drop_small_pieces(mesh, least_triangles(options, rig.depth));
+  const GridVertices vertices = number_vertices(mesh);
+  if (vertices.pixels.empty()) return {};
+  if (!parts.planes.empty()) straighten_border(grid, parts, triangles_of(mesh), places);
 
   Submesh patch;
-  const Vertices vertices = number_vertices(triangles, grid.z.size());
   const auto points = back_project(grid, places, rig.depth, vertices);
   patch.colors =
-      color_vertices(grid, vertices, back_project(grid, colored_places(places), rig.depth, vertices), colors);
+      places.places.empty()
+          ? color_vertices(grid, vertices, points, colors)
+          : color_vertices(grid, vertices, back_project(grid, colored_places(places), rig.depth, vertices), colors);
   // The model's own depth belongs to the pose that it was drawn with.
   const Pose& T_depth_world = snapshot.depth_pose.T_camera_world;
   const Eigen::Isometry3f T_world_model = T_depth_world.inverse().cast<float>();
@@ -204,15 +189,12 @@ Submesh make_patch(const Snapshot& snapshot, RegionId region, const AdjustOption
     const bool is_model = grid.role[vertices.pixels[n]] == Role::model_rim;
     patch.positions.push_back((is_model ? T_world_model : T_world_depth) * points[n]);
   }
-  for (auto& triangle : triangles) {
-    for (auto& i : triangle) i = vertices.number_of_pixel[i];
-  }
-  patch.triangles = std::move(triangles);
+  patch.triangles = triangles_of(mesh, vertices);
   // What lies on a plane is not as noisy as the sensor.
   const int coarse = parts.planes.empty() ? coarsening(grid, vertices, rig.depth) : 1;
   if (options.decimate_sigmas > 0)
     patch = decimate(patch, options.decimate_sigmas * sigma_of(grid, vertices), options.decimate_levels);
-  return snap_to_lattice(patch, coarse);
+  return snap_to_lattice(std::move(patch), coarse);
 }
 
 std::vector<Submesh> split(Submesh submesh, std::size_t max_triangles) {

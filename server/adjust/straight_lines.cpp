@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/adjust/grid_mesh.h"
 #include "server/adjust/outline.h"
 
 namespace meshloop::adjust {

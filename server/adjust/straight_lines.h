@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/change/comparison.h"
+#include "common/mesh/submesh.h"
 #include "server/adjust/flat_parts.h"
 
 namespace meshloop::adjust {
