@@ -2,17 +2,23 @@
 // removal takes from a model.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <random>
 
 #include "server/adjust/moved_things.h"
 #include "server/adjust/proposal.h"
 #include "server/adjust/registration.h"
+#ifdef MESHLOOP_PCL
+#include "pcl_mesh.h"
+#endif
 
 namespace meshloop {
 namespace {
 
-/// Everything in the picture is new: a wavy wall between 1.5 and 2.5 m.
+/// Everything in the picture is new: a wavy wall between 1.5 and 2.5 m, with a Kinect's noise, a printed picture, and
+/// nothing measured in one pixel of a hundred.
 struct NewWall {
   Rig rig;
   RgbdFrame frame;
@@ -26,10 +32,18 @@ struct NewWall {
     rig.T_depth_color = make_pose({0.025, 0, 0}, Eigen::Quaterniond::Identity());
     rig.sensor = SensorModel{SensorModel::Kind::kinect1};
     frame.depth = DepthImage{width, height};
-    frame.color = ColorImage{640, 480, {120, 100, 80}};
+    frame.color = ColorImage{640, 480};
+    std::mt19937 random{1};
+    for (auto& pixel : frame.color.pixels()) {
+      const auto level = [&] { return static_cast<std::uint8_t>(random() & 0xff); };
+      pixel = {level(), level(), level()};
+    }
+    std::normal_distribution<float> noise;
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
-        frame.depth(x, y) = 2 + 0.5f * std::sin(6.0f * static_cast<float>(x) / static_cast<float>(width));
+        const float z = 2 + 0.5f * std::sin(6.0f * static_cast<float>(x) / static_cast<float>(width));
+        const auto sigma = static_cast<float>(rig.sensor.sigma_z_m(z, 0));
+        frame.depth(x, y) = random() % 100 == 0 ? 0.0f : z + sigma * noise(random);
       }
     }
     comparison.labels = Image<Label>{width, height, Label::unmodelled};
@@ -73,6 +87,31 @@ BENCHMARK(insert_patch)
     ->ArgsProduct({{320}, {240}, {0, 1}})
     ->ArgsProduct({{640}, {480}, {0, 1}})
     ->Unit(benchmark::kMillisecond);
+
+#ifdef MESHLOOP_PCL
+/// The same picture. `points`: with the points made and coloured, else the triangles alone.
+void pcl_organized_fast_mesh(benchmark::State& state) {
+  const NewWall wall{static_cast<int>(state.range(0)), static_cast<int>(state.range(1))};
+  const bool with_points = state.range(2) != 0;
+  PclMesh pcl;
+  pcl.set_points(wall.frame.depth, wall.rig.depth, wall.frame.color);
+  std::size_t triangles = 0;
+  for (auto _ : state) {
+    if (with_points) pcl.set_points(wall.frame.depth, wall.rig.depth, wall.frame.color);
+    triangles = pcl.triangulate(0.1f);
+  }
+  state.counters["triangles"] = static_cast<double>(triangles);
+}
+BENCHMARK(pcl_organized_fast_mesh)
+    ->ArgNames({"width", "height", "points"})
+    ->ArgsProduct({{640}, {480}, {0, 1}})
+    ->Unit(benchmark::kMillisecond);
+#else
+void pcl_organized_fast_mesh(benchmark::State& state) {
+  state.SkipWithError("PCL was not installed when this was built (libpcl-dev)");
+}
+BENCHMARK(pcl_organized_fast_mesh);
+#endif
 
 /// A wavy wall that is expected 5 mm from where it is measured.
 void refine_pose_of_a_frame(benchmark::State& state) {
