@@ -1,7 +1,12 @@
 #include "common/mesh/lattice.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
 
 namespace meshloop {
 namespace {
@@ -50,6 +55,49 @@ bool every_vertex_is_used(const Submesh& submesh) {
   return std::find(used.begin(), used.end(), std::uint8_t{0}) == used.end();
 }
 
+std::vector<std::uint32_t> flat_triangles(const Submesh& submesh) {
+  std::vector<std::uint32_t> flat;
+  for (std::uint32_t t = 0; t < submesh.triangles.size(); ++t) {
+    if (!has_area(submesh, submesh.triangles[t])) flat.push_back(t);
+  }
+  return flat;
+}
+
+constexpr int kFlips = 4;
+
+// A flat triangle whose corners lie in different places has one of them on the edge between the others. Without it that
+// edge would meet two shorter ones: so it is flipped with the triangle at that edge, and both have area. Triangles with
+// two corners in one place leave nothing open.
+void flip_flat_triangles(Submesh& submesh, const std::vector<std::uint32_t>& flat) {
+  using Edge = std::pair<std::uint32_t, std::uint32_t>;
+  const auto& p = submesh.positions;
+  std::map<Edge, std::uint32_t> flat_at;  // by its longest edge, as the other triangle has it
+  for (const auto t : flat) {
+    const auto& [a, b, c] = submesh.triangles[t];
+    if (p[a] == p[b] || p[b] == p[c] || p[c] == p[a]) continue;
+    const std::array<std::pair<float, Edge>, 3> edges{{{(p[b] - p[a]).squaredNorm(), {b, a}},
+                                                       {(p[c] - p[b]).squaredNorm(), {c, b}},
+                                                       {(p[a] - p[c]).squaredNorm(), {a, c}}}};
+    flat_at[std::max_element(edges.begin(), edges.end())->second] = t;
+  }
+  if (flat_at.empty()) return;
+  for (std::uint32_t u = 0; u < submesh.triangles.size(); ++u) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Edge edge{submesh.triangles[u][k], submesh.triangles[u][(k + 1) % 3]};
+      const auto found = flat_at.find(edge);
+      if (found == flat_at.end() || found->second == u) continue;
+      const auto opposite = submesh.triangles[u][(k + 2) % 3];
+      auto& other = submesh.triangles[found->second];
+      const auto middle = *std::find_if(other.begin(), other.end(),
+                                        [&](std::uint32_t i) { return i != edge.first && i != edge.second; });
+      other = {edge.first, middle, opposite};
+      submesh.triangles[u] = {middle, edge.second, opposite};
+      flat_at.erase(found);
+      break;
+    }
+  }
+}
+
 }  // namespace
 
 Eigen::Vector3f on_lattice(const Eigen::Vector3f& p) {
@@ -69,12 +117,15 @@ int coarsening_of(const Submesh& submesh) {
 Submesh snap_to_lattice(Submesh submesh, int coarsening) {
   const float spacing_m = kLatticeSpacing_m * static_cast<float>(coarsening);
   snap(submesh.positions, spacing_m);
-  const auto flat = [&](const Triangle& triangle) { return !has_area(submesh, triangle); };
-  const auto first = std::find_if(submesh.triangles.begin(), submesh.triangles.end(), flat);
-  if (first == submesh.triangles.end() && every_vertex_is_used(submesh)) return submesh;
+  auto flat = flat_triangles(submesh);
+  if (flat.empty() && every_vertex_is_used(submesh)) return submesh;
+  // What a flat triangle is flipped with may itself have been flat.
+  for (int i = 0; i < kFlips && !flat.empty(); ++i) {
+    flip_flat_triangles(submesh, flat);
+    flat = flat_triangles(submesh);
+  }
   std::vector<bool> keep(submesh.triangles.size(), true);
-  for (auto it = first; it != submesh.triangles.end(); ++it)
-    keep[static_cast<std::size_t>(it - submesh.triangles.begin())] = !flat(*it);
+  for (const auto t : flat) keep[t] = false;
   return keep_triangles(submesh, keep);
 }
 

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <map>
 #include <random>
 
 namespace meshloop {
@@ -76,6 +78,45 @@ TEST(Lattice, KeepsALongTriangleOneSpacingWide) {
   const Eigen::Vector3f b{8193 * d, 8192 * d, 0};
   const Eigen::Vector3f c{8194 * d, 8193 * d, 0};
   EXPECT_EQ(snap_to_lattice(triangle({0, 0, 0}, b, c)).triangles.size(), 1u);
+}
+
+// A sliver whose middle corner comes to lie on its longest edge: without it two short edges would face a long one.
+TEST(Lattice, FlipsWhatBecomesFlatSoThatNothingOpens) {
+  constexpr float a = kLatticeSpacing_m;
+  Submesh mesh;
+  mesh.positions = {{0, 0, 0}, {20 * a, 0, 0}, {10 * a, 0.3f * a, 0}, {10 * a, 15 * a, 0}, {10 * a, -15 * a, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {2, 1, 3}, {1, 0, 4}};
+  const Submesh snapped = snap_to_lattice(mesh);
+  ASSERT_EQ(snapped.triangles.size(), 4U);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
+  for (const auto& t : snapped.triangles) {
+    EXPECT_TRUE(has_area(snapped, t));
+    for (std::size_t k = 0; k < 3; ++k) sides[std::minmax(t[k], t[(k + 1) % 3])] += t[k] < t[(k + 1) % 3] ? 1 : -1;
+  }
+  EXPECT_EQ(std::count_if(sides.begin(), sides.end(), [](const auto& edge) { return edge.second != 0; }), 4);  // around
+}
+
+// As in double precision, of thin and fat triangles on the lattice.
+TEST(Lattice, AreaIsToldExactly) {
+  std::mt19937 random{7};
+  int flat = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const auto coordinate = [&](int range) {
+      return kLatticeSpacing_m *
+             static_cast<float>(static_cast<int>(random() % static_cast<unsigned>(range)) - range / 2);
+    };
+    const int range = i % 2 == 0 ? 4 : 40'000;
+    const Eigen::Vector3f p{coordinate(range), coordinate(range), coordinate(range)};
+    const Eigen::Vector3f step{coordinate(8), coordinate(8), coordinate(8)};
+    const Eigen::Vector3f q = p + step * static_cast<float>(random() % 5);
+    const Eigen::Vector3f r = p + step * static_cast<float>(random() % 5) + Eigen::Vector3f{coordinate(3), 0, 0};
+    const Submesh mesh = triangle(p, q, r);
+    const bool truth = !(q - p).cast<double>().cross((r - p).cast<double>()).isZero(0);
+    EXPECT_EQ(has_area(mesh, mesh.triangles[0]), truth) << i;
+    flat += truth ? 0 : 1;
+  }
+  EXPECT_GT(flat, 1000);
+  EXPECT_LT(flat, 19'000);
 }
 
 }  // namespace
