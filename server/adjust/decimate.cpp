@@ -22,16 +22,17 @@ std::vector<Eigen::Vector3f> relief_of(const Submesh& submesh, float m_per_level
 
 }  // namespace
 
-Submesh decimate(const Submesh& submesh, double error_m, double error_levels) {
+Submesh decimate(const Submesh& submesh, double error_m, double error_levels, Border border) {
   if (submesh.triangles.empty()) return submesh;
   const auto relief = relief_of(submesh, static_cast<float>(error_m / error_levels));
   const float* positions = relief.front().data();
   const float scale = meshopt_simplifyScale(positions, relief.size(), sizeof(Eigen::Vector3f));
   if (!(scale > 0)) return submesh;
   Submesh result = submesh;
-  const std::size_t kept = meshopt_simplify(
-      result.triangles.front().data(), submesh.triangles.front().data(), 3 * submesh.triangles.size(), positions,
-      relief.size(), sizeof(Eigen::Vector3f), 0, static_cast<float>(error_m) / scale, 0, nullptr);
+  const std::size_t kept =
+      meshopt_simplify(result.triangles.front().data(), submesh.triangles.front().data(), 3 * submesh.triangles.size(),
+                       positions, relief.size(), sizeof(Eigen::Vector3f), 0, static_cast<float>(error_m) / scale,
+                       border == Border::kept ? meshopt_SimplifyLockBorder : 0, nullptr);
   result.triangles.resize(kept / 3);
   return keep_triangles(result, std::vector<bool>(result.triangles.size(), true));
 }

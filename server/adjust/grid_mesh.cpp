@@ -259,6 +259,12 @@ std::vector<Triangle> list_triangles(const GridMesh& mesh, const NumberOf& numbe
   return triangles;
 }
 
+/// Number of the way from a pixel to one of the eight around it; 7 minus it is the way back.
+int way_of(int columns, int rows) {
+  const int step = 3 * (rows + 1) + columns + 1;
+  return step < 4 ? step : step - 1;
+}
+
 // Marks the corners `left` and `right` of a row of blocks.
 template <std::size_t left, std::size_t right>
 void mark_corners(const std::uint8_t* blocks, std::uint8_t* is_vertex, std::size_t width) {
@@ -298,6 +304,36 @@ GridVertices number_vertices(const GridMesh& mesh) {
   }
   vertices.pixels.resize(count);
   return vertices;
+}
+
+std::vector<std::array<std::uint32_t, 2>> border_of(const GridMesh& mesh) {
+  const auto w = static_cast<std::uint32_t>(mesh.width);
+  // By pixel, a bit for each of the eight ways to its neighbours along which an edge has a triangle on its left.
+  std::vector<std::uint8_t> ways(mesh.blocks.size(), 0);
+  for (std::uint32_t i = 0; i < mesh.blocks.size(); ++i) {
+    if (mesh.blocks[i] == 0) continue;
+    const std::array<std::uint32_t, 4> corners{i, i + 1, i + w, i + w + 1};
+    for (std::size_t t = 0; t < 4; ++t) {
+      if ((mesh.blocks[i] >> t & 1) == 0) continue;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const int from = kBlockTriangles[t][k];
+        const int to = kBlockTriangles[t][(k + 1) % 3];
+        auto& pixel = ways[corners[static_cast<std::size_t>(from)]];
+        pixel = static_cast<std::uint8_t>(pixel | 1 << way_of(to % 2 - from % 2, to / 2 - from / 2));
+      }
+    }
+  }
+  std::vector<std::array<std::uint32_t, 2>> border;
+  for (std::uint32_t i = 0; i < ways.size(); ++i) {
+    for (int way = 0; way < 8; ++way) {
+      if ((ways[i] >> way & 1) == 0) continue;
+      const int step = way < 4 ? way : way + 1;  // 4 is the pixel itself
+      const std::uint32_t to =
+          i + static_cast<std::uint32_t>(step / 3) * w - w + static_cast<std::uint32_t>(step % 3) - 1;
+      if ((ways[to] >> (7 - way) & 1) == 0) border.push_back({i, to});
+    }
+  }
+  return border;
 }
 
 std::vector<Triangle> triangles_of(const GridMesh& mesh) {

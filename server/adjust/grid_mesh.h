@@ -45,6 +45,9 @@ struct GridVertices {
 
 [[nodiscard]] GridVertices number_vertices(const GridMesh& mesh);
 
+/// Edges with a triangle on one side only, which lies on their left as the camera sees it; pixels.
+[[nodiscard]] std::vector<std::array<std::uint32_t, 2>> border_of(const GridMesh& mesh);
+
 /// With positions in the grid as indices.
 [[nodiscard]] std::vector<Triangle> triangles_of(const GridMesh& mesh);
 /// With the numbers of vertices as indices.

@@ -12,6 +12,7 @@
 #include "server/adjust/depth_grid.h"
 #include "server/adjust/flat_parts.h"
 #include "server/adjust/grid_mesh.h"
+#include "server/adjust/stitch.h"
 #include "server/adjust/straight_lines.h"
 
 namespace meshloop::adjust {
@@ -124,6 +125,25 @@ int coarsening(const DepthGrid& grid, const GridVertices& vertices, const Camera
   return 2 * kLatticeSpacing_m <= largest_m ? 2 : 1;
 }
 
+/// The patch's vertices that are the model's too.
+std::vector<std::uint32_t> join_to_model(Submesh& patch, const Snapshot& snapshot, const GridMesh& mesh,
+                                         const GridVertices& vertices, float sigma_m) {
+  if (snapshot.model->nodes.empty()) return {};
+  auto border = border_of(mesh);
+  for (auto& [from, to] : border) {
+    from = vertices.number_of_pixel[from];
+    to = vertices.number_of_pixel[to];
+  }
+  const StitchView view{&snapshot.rig->depth, snapshot.depth_pose.T_camera_world.cast<float>(), sigma_m};
+  return stitch(patch, std::move(border), *snapshot.model, view).vertices;
+}
+
+Submesh positions_of(const Submesh& patch, const std::vector<std::uint32_t>& vertices) {
+  Submesh some;
+  for (const auto i : vertices) some.positions.push_back(patch.positions[i]);
+  return some;
+}
+
 // Two triangles a pixel: what is small depends on how many pixels there are.
 std::size_t least_triangles(const AdjustOptions& options, const Camera& camera) {
   const double scale = camera.width * static_cast<double>(camera.height) / (640.0 * 480.0);
@@ -171,7 +191,7 @@ Submesh make_patch(const Snapshot& snapshot, RegionId region, const AdjustOption
   drop_small_pieces(mesh, least_triangles(options, rig.depth));
   const GridVertices vertices = number_vertices(mesh);
   if (vertices.pixels.empty()) return {};
-  if (!parts.planes.empty()) straighten_border(grid, parts, triangles_of(mesh), places);
+  if (!parts.planes.empty()) straighten_border(grid, parts, mesh, places);
 
   Submesh patch;
   const auto points = back_project(grid, places, rig.depth, vertices);
@@ -190,10 +210,14 @@ Submesh make_patch(const Snapshot& snapshot, RegionId region, const AdjustOption
     patch.positions.push_back((is_model ? T_world_model : T_world_depth) * points[n]);
   }
   patch.triangles = triangles_of(mesh, vertices);
+  std::vector<std::uint32_t> joined;
+  if (options.stitch) joined = join_to_model(patch, snapshot, mesh, vertices, sigma_of(grid, vertices));
   // What lies on a plane is not as noisy as the sensor.
-  const int coarse = parts.planes.empty() ? coarsening(grid, vertices, rig.depth) : 1;
+  int coarse = parts.planes.empty() ? coarsening(grid, vertices, rig.depth) : 1;
+  if (!joined.empty()) coarse = std::min(coarse, coarsening_of(positions_of(patch, joined)));
   if (options.decimate_sigmas > 0)
-    patch = decimate(patch, options.decimate_sigmas * sigma_of(grid, vertices), options.decimate_levels);
+    patch = decimate(patch, options.decimate_sigmas * sigma_of(grid, vertices), options.decimate_levels,
+                     joined.empty() ? Border::decimated : Border::kept);
   return snap_to_lattice(std::move(patch), coarse);
 }
 

@@ -108,6 +108,8 @@ struct AdjustOptions {
   bool smooth = true;
   /// Measurements on a plane are put onto it, within the noise, and planes meet in straight lines.
   bool flatten = true;
+  /// Where a patch meets the end of a surface of the model, it ends in the same vertices.
+  bool stitch = true;
   /// Patches are decimated as long as their surface stays within so many sigma of the sensor's noise; 0: not at all.
   double decimate_sigmas = 0;
   /// And their brightness within so many levels of 255.

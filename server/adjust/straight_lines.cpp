@@ -9,7 +9,6 @@
 #include <optional>
 #include <utility>
 
-#include "server/adjust/grid_mesh.h"
 #include "server/adjust/outline.h"
 
 namespace meshloop::adjust {
@@ -202,39 +201,6 @@ class LineFinder {
   std::vector<NearCrease> near_crease_;
 };
 
-/// Bit of the way from a pixel of the grid to one of the eight around it.
-std::uint8_t way_bit(std::uint32_t from, std::uint32_t to, std::uint32_t width) {
-  const auto row = static_cast<int>(to / width) - static_cast<int>(from / width);
-  const auto column = static_cast<int>(to % width) - static_cast<int>(from % width);
-  const int way = 3 * (row + 1) + column + 1;  // 4 is the pixel itself
-  return static_cast<std::uint8_t>(1 << (way < 4 ? way : way - 1));
-}
-
-/// Vertices of edges that have one triangle only, in growing order.
-std::vector<std::uint32_t> border_of(const std::vector<Triangle>& triangles, std::uint32_t width, std::size_t pixels) {
-  // Each edge has a triangle on its left when it is walked one way.
-  std::vector<std::uint8_t> ways(pixels, 0);
-  for (const auto& [a, b, c] : triangles) {
-    ways[a] |= way_bit(a, b, width);
-    ways[b] |= way_bit(b, c, width);
-    ways[c] |= way_bit(c, a, width);
-  }
-  std::vector<bool> is_border(pixels, false);
-  const auto look_at = [&](std::uint32_t from, std::uint32_t to) {
-    if ((ways[to] & way_bit(to, from, width)) == 0) is_border[from] = is_border[to] = true;
-  };
-  for (const auto& [a, b, c] : triangles) {
-    look_at(a, b);
-    look_at(b, c);
-    look_at(c, a);
-  }
-  std::vector<std::uint32_t> border;
-  for (std::uint32_t i = 0; i < pixels; ++i) {
-    if (is_border[i]) border.push_back(i);
-  }
-  return border;
-}
-
 Eigen::Vector2d nearest_on(const Loop& loop, const Eigen::Vector2d& p) {
   Eigen::Vector2d nearest = loop.front();
   for (std::size_t i = 0; i < loop.size(); ++i) {
@@ -310,8 +276,8 @@ VertexPlaces meet_in_lines(const DepthGrid& grid, const FlatParts& parts, const 
   return LineFinder{grid, parts, comparison}.find();
 }
 
-void straighten_border(const DepthGrid& grid, const FlatParts& parts, const std::vector<Triangle>& triangles,
-                       VertexPlaces& vertices) {
+void straighten_border(const DepthGrid& grid, const FlatParts& parts, const GridMesh& mesh, VertexPlaces& vertices) {
+  const auto triangles = triangles_of(mesh);
   const int w = grid.window.width();
   Image<std::uint8_t> mask{w, grid.window.height()};
   for (const auto& triangle : triangles) {
@@ -320,7 +286,8 @@ void straighten_border(const DepthGrid& grid, const FlatParts& parts, const std:
   const Outline outline{mask, std::max(kStraightSteps_px, kRagged * grid.lateral_px)};
   const auto before = vertices.places;
   const auto columns = static_cast<std::uint32_t>(w);
-  for (const auto i : border_of(triangles, columns, grid.z.size())) {
+  for (const auto& edge : border_of(mesh)) {
+    const auto i = edge[0];  // each border vertex begins an edge
     if (!is_part(grid.role[i]) || vertices.lines[i] != 0) continue;
     const auto at = outline.nearest({static_cast<double>(i % columns), static_cast<double>(i / columns)});
     if (!at) continue;

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "common/change/comparison.h"
-#include "common/mesh/submesh.h"
 #include "server/adjust/flat_parts.h"
+#include "server/adjust/grid_mesh.h"
 
 namespace meshloop::adjust {
 
@@ -22,9 +22,8 @@ struct VertexPlaces {
 /// which three do; and rim pixels beside a plane to where it reaches the model's surface, by at most 10 pixels.
 [[nodiscard]] VertexPlaces meet_in_lines(const DepthGrid& grid, const FlatParts& parts, const Comparison& comparison);
 
-/// Moves members at an open border of the triangles onto the straight lines around all members, by at most what noise
+/// Moves members at an open border of the mesh onto the straight lines around all members, by at most what noise
 /// makes a border ragged. What would turn a triangle over stays where it was.
-void straighten_border(const DepthGrid& grid, const FlatParts& parts, const std::vector<Triangle>& triangles,
-                       VertexPlaces& vertices);
+void straighten_border(const DepthGrid& grid, const FlatParts& parts, const GridMesh& mesh, VertexPlaces& vertices);
 
 }  // namespace meshloop::adjust
