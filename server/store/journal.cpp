@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "server/store/blobs.h"
+#include "server/store/proposal_rows.h"
 #include "server/store/schema.h"
 #include "server/store/snapshot_rows.h"
 
@@ -116,6 +117,8 @@ Result<std::vector<RevisionInfo>> read_journal(Database& database) {
   if (!query) return fail(query.error());
   const auto with_snapshots = has_snapshots(database);
   if (!with_snapshots) return fail(with_snapshots.error());
+  const auto with_proposals = has_proposals(database);
+  if (!with_proposals) return fail(with_proposals.error());
   std::vector<RevisionInfo> journal;
   for (;;) {
     const auto row = query->step();
@@ -127,6 +130,10 @@ Result<std::vector<RevisionInfo>> read_journal(Database& database) {
     auto snapshot = read_snapshot(database, info.revision);
     if (!snapshot) return fail(snapshot.error());
     info.snapshot = std::move(*snapshot);
+    if (!*with_proposals) continue;
+    auto proposals = read_accepted(database, info.revision);
+    if (!proposals) return fail(proposals.error());
+    info.proposals = std::move(*proposals);
   }
 }
 
@@ -142,7 +149,8 @@ Result<RevisionInfo> read_info(Database& database, Revision revision) {
 Status append_entry(Database& database, const JournalEntry& entry) {
   auto insert = database.prepare("INSERT INTO revision VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   if (!insert) return fail(insert.error());
-  const auto& [info, place] = entry;
+  const auto& info = entry.info;
+  const auto& place = entry.place;
   insert->bind(static_cast<std::int64_t>(info.revision))
       .bind(static_cast<std::int64_t>(info.parent))
       .bind(static_cast<std::int64_t>(place.content));

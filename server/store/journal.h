@@ -21,6 +21,9 @@ struct Place {
 struct JournalEntry {
   RevisionInfo info;
   Place place;
+  /// The change that an undo takes back, or a redo brings again.
+  std::optional<Revision> undoes = std::nullopt;
+  std::optional<Revision> redoes = std::nullopt;
 };
 
 /// The last revision; an empty scene is revision 0.
@@ -28,11 +31,11 @@ struct JournalEntry {
 /// Refuses a revision that is not in the journal. Revision 0 always is.
 [[nodiscard]] Result<Place> place_of(Database& database, Revision revision);
 
-/// Oldest first, with pictures and snapshots.
+/// Oldest first, with pictures, snapshots and accepted proposals.
 [[nodiscard]] Result<std::vector<RevisionInfo>> read_journal(Database& database);
 /// One entry, without pictures and snapshot.
 [[nodiscard]] Result<RevisionInfo> read_info(Database& database, Revision revision);
-/// In a transaction. Refuses a snapshot without a pose.
+/// In a transaction. Refuses a snapshot without a pose. The info's proposals are accept_proposals' (proposal_rows.h).
 [[nodiscard]] Status append_entry(Database& database, const JournalEntry& entry);
 
 [[nodiscard]] Result<std::uint64_t> read_counter(Database& database, std::string_view name);

@@ -6,12 +6,12 @@
 #include <limits>
 #include <mutex>
 #include <optional>
-#include <system_error>
 
 #include "common/base/clock.h"
 #include "server/store/file_identity.h"
 #include "server/store/journal.h"
 #include "server/store/model_rows.h"
+#include "server/store/proposal_rows.h"
 #include "server/store/returns.h"
 #include "server/store/schema.h"
 #include "server/store/writer_lock.h"
@@ -52,6 +52,9 @@ class SqliteSceneStore final : public SceneStore {
   Result<std::shared_ptr<const Model>> restore(Revision revision, const std::string& author) override;
   Result<std::vector<RevisionInfo>> log() const override;
   Result<std::shared_ptr<const Model>> model_at(Revision revision) const override;
+  Result<std::vector<ProposalRecord>> proposals() const override;
+  Result<std::vector<ProposalId>> remember(const std::vector<ProposalSighting>& seen) override;
+  Status reject(const std::vector<ProposalId>& ids, const std::string& author, const std::string& reason) override;
   Result<std::uint64_t> begin_epoch() override;
 
  private:
@@ -68,6 +71,8 @@ class SqliteSceneStore final : public SceneStore {
   Result<std::shared_ptr<const Model>> commit_locked(const std::vector<Edit>& edits, RevisionInfo info,
                                                      Syncing syncing);
   Result<std::shared_ptr<const Model>> write(Writing writing, Model after, JournalEntry entry, NodeId next_node_id);
+  /// What a revision means for the proposals that a change accepted, its own or those of the one that it shows again.
+  Status change_proposals(const JournalEntry& entry);
   Status finish(Writing& writing);
   /// After a reading.
   Status check_nothing_changed() const {
@@ -138,6 +143,7 @@ Result<std::shared_ptr<const Model>> SqliteSceneStore::write(Writing writing, Mo
   if (auto ok = bring_up_to_date(database_); !ok) return fail(ok.error());
   // The journal first: the rows of nodes refer to it.
   if (auto ok = append_entry(database_, entry); !ok) return fail(ok.error());
+  if (auto ok = change_proposals(entry); !ok) return fail(ok.error());
   if (auto ok = write_difference(database_, *model_, after); !ok) return fail(ok.error());
   if (auto ok = write_counter(database_, kNextNodeId, next_node_id); !ok) return fail(ok.error());
   if (auto ok = finish(writing); !ok) return fail(ok.error());
@@ -155,6 +161,13 @@ Result<std::shared_ptr<const Model>> SqliteSceneStore::commit_unsynced(const std
                                                                        RevisionInfo info) {
   const std::scoped_lock lock{mutex_};
   return commit_locked(edits, std::move(info), Syncing::later);
+}
+
+Status SqliteSceneStore::change_proposals(const JournalEntry& entry) {
+  const RevisionInfo& info = entry.info;
+  return entry.undoes   ? reopen_proposals(database_, *entry.undoes, info.author, info.accepted_ns)
+         : entry.redoes ? close_proposals_again(database_, *entry.redoes, info.author, info.accepted_ns)
+                        : accept_proposals(database_, info.revision, info.author, info.accepted_ns, info.proposals);
 }
 
 Status SqliteSceneStore::sync() {
@@ -197,6 +210,7 @@ Result<std::shared_ptr<const Model>> SqliteSceneStore::go_back_or_forth(bool bac
   if (!after) return fail(after.error());
   after->revision = model_->revision + 1;
   JournalEntry entry{back ? info_of_undo(*change, author) : info_of_redo(*change, author), *place};
+  (back ? entry.undoes : entry.redoes) = change->revision;
   return write(std::move(*writing), std::move(*after), std::move(entry), next_node_id_);
 }
 
@@ -236,6 +250,38 @@ Result<std::shared_ptr<const Model>> SqliteSceneStore::model_at(Revision revisio
   return std::make_shared<const Model>(std::move(*model));
 }
 
+Result<std::vector<ProposalRecord>> SqliteSceneStore::proposals() const {
+  const std::scoped_lock lock{mutex_};
+  const auto snapshot = Transaction::begin(database_, "BEGIN");
+  if (!snapshot) return fail(snapshot.error());
+  const auto there = has_proposals(database_);
+  if (!there) return fail(there.error());
+  auto records = *there ? read_proposals(database_) : Result<std::vector<ProposalRecord>>{};
+  if (auto same = check_nothing_changed(); !same) return fail(same.error());
+  return records;
+}
+
+Result<std::vector<ProposalId>> SqliteSceneStore::remember(const std::vector<ProposalSighting>& seen) {
+  const std::scoped_lock lock{mutex_};
+  auto writing = begin_writing(Syncing::later);
+  if (!writing) return fail(writing.error());
+  if (auto ok = bring_up_to_date(database_); !ok) return fail(ok.error());
+  auto ids = remember_proposals(database_, seen, wall_clock_ns());
+  if (!ids) return ids;
+  if (auto ok = finish(*writing); !ok) return fail(ok.error());
+  return ids;
+}
+
+Status SqliteSceneStore::reject(const std::vector<ProposalId>& ids, const std::string& author,
+                                const std::string& reason) {
+  const std::scoped_lock lock{mutex_};
+  auto writing = begin_writing();
+  if (!writing) return fail(writing.error());
+  if (auto ok = bring_up_to_date(database_); !ok) return ok;
+  if (auto ok = reject_proposals(database_, ids, author, reason, wall_clock_ns()); !ok) return ok;
+  return finish(*writing);
+}
+
 Result<std::uint64_t> SqliteSceneStore::begin_epoch() {
   const std::scoped_lock lock{mutex_};
   auto writing = begin_writing();
@@ -245,23 +291,6 @@ Result<std::uint64_t> SqliteSceneStore::begin_epoch() {
   if (auto ok = write_counter(database_, kEpoch, *epoch + 1); !ok) return fail(ok.error());
   if (auto ok = finish(*writing); !ok) return fail(ok.error());
   return *epoch + 1;
-}
-
-Status make_sure_it_is_there(const std::filesystem::path& file, bool create) {
-  std::error_code error;
-  const auto status = std::filesystem::status(file, error);
-  if (std::filesystem::is_directory(status)) return fail(fmt::format("'{}' is a folder, not a scene", file.string()));
-  if (!std::filesystem::exists(status)) {
-    return create ? create_scene_file(file)
-                  : fail(fmt::format("the scene '{}' does not exist; `scene import` makes one", file.string()));
-  }
-  if (!std::filesystem::is_regular_file(status)) {
-    return fail(fmt::format("'{}' is not a regular file, hence not a scene", file.string()));
-  }
-  // SQLite would take an empty file for an empty database.
-  if (std::filesystem::file_size(file, error) == 0)
-    return fail(fmt::format("'{}' is empty, not a scene", file.string()));
-  return {};
 }
 
 struct State {

@@ -11,6 +11,7 @@
 #include "common/geometry/tracked_pose.h"
 #include "common/image/image.h"
 #include "common/mesh/model.h"
+#include "server/store/proposal_record.h"
 
 namespace meshloop {
 
@@ -40,6 +41,9 @@ struct RevisionInfo {
   std::vector<std::vector<std::byte>> pictures;
   /// Nothing for changes that were not measured (import, undo, redo, restore) and in scenes of schema version 1.
   std::optional<SnapshotInfo> snapshot;
+  /// That the revision accepts, by id; they must be known and not be accepted yet. None for import, undo, redo, restore
+  /// and in scenes before schema version 3.
+  std::vector<AcceptedProposal> proposals;
 };
 
 /// All functions may be called from any thread. Several processes may read one scene; the first that writes (commit,
@@ -58,8 +62,9 @@ class SceneStore {
 
   /// Applies the edits as a new revision after the present one and returns when it is on the disk. Revisions after the
   /// present one (undone ones) stay in the journal, but redo no longer reaches them. The info's revision and parent are
-  /// filled in by the store, accepted_ns too where it is 0. Refuses to add a node under an id that any revision used,
-  /// and a snapshot whose pose is none.
+  /// filled in by the store, accepted_ns too where it is 0. Its proposals become accepted ones in the same transaction.
+  /// Refuses to add a node under an id that any revision used, a snapshot whose pose is none, and a proposal that is
+  /// unknown or was accepted.
   [[nodiscard]] virtual Result<std::shared_ptr<const Model>> commit(const std::vector<Edit>& edits,
                                                                     RevisionInfo info) = 0;
 
@@ -72,20 +77,31 @@ class SceneStore {
   [[nodiscard]] virtual Status sync() = 0;
 
   /// One step back, one step forth again. They are new revisions too: numbers only grow, so that devices never see one
-  /// number with two contents. Refused where there is nothing to undo or redo.
+  /// number with two contents. Undo opens the proposals again that the change accepted, redo closes them again.
+  /// Refused where there is nothing to undo or redo.
   [[nodiscard]] virtual Result<std::shared_ptr<const Model>> undo(const std::string& author) = 0;
   [[nodiscard]] virtual Result<std::shared_ptr<const Model>> redo(const std::string& author) = 0;
 
   /// The content of any revision again, undone ones and 0 (the empty scene) included, as a new revision. It is a change
   /// like an accepted one: undo takes it back, redo after that brings it again, and redo no longer reaches what was
-  /// undone before it. The journal's triangles are the net of each node. Refuses a revision that is not there, and one
-  /// that the present content equals bit for bit.
+  /// undone before it. The journal's triangles are the net of each node. Proposals stay as they are. Refuses a revision
+  /// that is not there, and one that the present content equals bit for bit.
   [[nodiscard]] virtual Result<std::shared_ptr<const Model>> restore(Revision revision, const std::string& author) = 0;
 
   /// Oldest first.
   [[nodiscard]] virtual Result<std::vector<RevisionInfo>> log() const = 0;
   /// The model as it was at a revision, bit for bit.
   [[nodiscard]] virtual Result<std::shared_ptr<const Model>> model_at(Revision revision) const = 0;
+
+  /// All that were ever remembered, by id.
+  [[nodiscard]] virtual Result<std::vector<ProposalRecord>> proposals() const = 0;
+  /// Remembers what a snapshot proposes and gives ids, in the order of the sightings. A known open one takes the new
+  /// content, a rejected one keeps its own. Does not wait for the disk (sync does). Refuses a known id that is unknown
+  /// or was accepted, and an empty box.
+  [[nodiscard]] virtual Result<std::vector<ProposalId>> remember(const std::vector<ProposalSighting>& seen) = 0;
+  /// Returns when it is on the disk. Refuses ids that are unknown or were accepted; then none is rejected.
+  [[nodiscard]] virtual Status reject(const std::vector<ProposalId>& ids, const std::string& author,
+                                      const std::string& reason) = 0;
 
   /// A number that grows by one with each call and survives restarts: the station's start counter.
   [[nodiscard]] virtual Result<std::uint64_t> begin_epoch() = 0;

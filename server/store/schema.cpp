@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <system_error>
 
 #include "common/base/file.h"
+#include "server/store/proposal_schema.h"
 
 namespace meshloop {
 namespace {
@@ -17,8 +19,9 @@ namespace fs = std::filesystem;
 
 /// "MLOP": how the file command and SQLite tell a scene from other SQLite files.
 constexpr std::int64_t kApplicationId = 0x4d4c4f50;
-constexpr std::int64_t kSchemaVersion = 2;
+constexpr std::int64_t kSchemaVersion = 3;
 constexpr std::int64_t kVersionWithSnapshots = 2;
+constexpr std::int64_t kVersionWithProposals = 3;
 
 // README.md, "The file", describes the tables.
 constexpr const char* kSchemaOfVersion1 = R"sql(
@@ -45,8 +48,18 @@ CREATE TABLE snapshot(
   revision INTEGER PRIMARY KEY REFERENCES revision, calibration BLOB NOT NULL REFERENCES calibration,
   timestamp_s REAL NOT NULL, state TEXT NOT NULL, pose BLOB NOT NULL, covariance BLOB NOT NULL, quality REAL NOT NULL,
   inliers INTEGER NOT NULL, refined_pose BLOB) STRICT;
-PRAGMA user_version=2;
 )sql";
+
+/// What makes a scene of one version one of the next, from version 1 on.
+constexpr std::array kSteps{kFromVersion1To2, kProposalTables};
+static_assert(kSteps.size() == kSchemaVersion - 1);
+
+Status take_steps(Database& database, std::int64_t from_version) {
+  for (auto version = from_version; version < kSchemaVersion; ++version) {
+    if (auto ok = database.run(kSteps[static_cast<std::size_t>(version - 1)]); !ok) return ok;
+  }
+  return database.run(fmt::format("PRAGMA user_version={}", kSchemaVersion).c_str());
+}
 
 tl::unexpected<Error> cannot_create(const fs::path& file, int error) {
   return fail(fmt::format("cannot make the scene '{}': {}", file.string(), std::generic_category().message(error)));
@@ -57,7 +70,7 @@ Status fill_new_file(const fs::path& file) {
   if (!database) return fail(database.error());
   if (auto ok = database->run("PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; BEGIN"); !ok) return ok;
   if (auto ok = database->run(kSchemaOfVersion1); !ok) return ok;
-  if (auto ok = database->run(kFromVersion1To2); !ok) return ok;
+  if (auto ok = take_steps(*database, 1); !ok) return ok;
   return database->run(fmt::format("PRAGMA application_id={}; COMMIT", kApplicationId).c_str());
 }
 
@@ -136,6 +149,12 @@ Result<Database> open_unlogged(const fs::path& file) {
   return database;
 }
 
+Result<bool> has_version(Database& database, std::int64_t wanted) {
+  const auto version = database.integer("PRAGMA user_version");
+  if (!version) return fail(version.error());
+  return *version >= wanted;
+}
+
 }  // namespace
 
 Status create_scene_file(const fs::path& file) {
@@ -153,6 +172,22 @@ Status create_scene_file(const fs::path& file) {
   if (!filled) return fail(fmt::format("cannot make the scene '{}'", file.string()), filled.error());
   if (error != 0) return cannot_create(file, error);
   sync_folder(folder);
+  return {};
+}
+
+Status make_sure_it_is_there(const fs::path& file, bool create) {
+  std::error_code error;
+  const auto status = fs::status(file, error);
+  if (fs::is_directory(status)) return fail(fmt::format("'{}' is a folder, not a scene", file.string()));
+  if (!fs::exists(status)) {
+    return create ? create_scene_file(file)
+                  : fail(fmt::format("the scene '{}' does not exist; `scene import` makes one", file.string()));
+  }
+  if (!fs::is_regular_file(status)) {
+    return fail(fmt::format("'{}' is not a regular file, hence not a scene", file.string()));
+  }
+  // SQLite would take an empty file for an empty database.
+  if (fs::file_size(file, error) == 0) return fail(fmt::format("'{}' is empty, not a scene", file.string()));
   return {};
 }
 
@@ -178,15 +213,17 @@ Result<Database> open_scene_file(const fs::path& file) {
 }
 
 Result<bool> has_snapshots(Database& database) {
-  const auto version = database.integer("PRAGMA user_version");
-  if (!version) return fail(version.error());
-  return *version >= kVersionWithSnapshots;
+  return has_version(database, kVersionWithSnapshots);
+}
+
+Result<bool> has_proposals(Database& database) {
+  return has_version(database, kVersionWithProposals);
 }
 
 Status bring_up_to_date(Database& database) {
   const auto version = database.integer("PRAGMA user_version");
   if (!version) return fail(version.error());
-  return *version == 1 ? database.run(kFromVersion1To2) : Status{};
+  return *version < kSchemaVersion ? take_steps(database, *version) : Status{};
 }
 
 }  // namespace meshloop

@@ -10,6 +10,10 @@ namespace meshloop {
 /// or nothing. A scene that another process made meanwhile is left as it is.
 [[nodiscard]] Status create_scene_file(const std::filesystem::path& file);
 
+/// Refuses what is no file, or an empty one, which SQLite would take for an empty database. Makes a scene where there
+/// is nothing, if `create` says so.
+[[nodiscard]] Status make_sure_it_is_there(const std::filesystem::path& file, bool create);
+
 /// A connection to a scene file, checked: the right program, a known schema, pages in order. A file that is refused
 /// is unchanged. Where it or its folder may not be written, and without a log, it is read unlogged; FileIdentity then
 /// has to say after each reading that nobody wrote meanwhile. The caller allows the connection to move its log into the
@@ -18,6 +22,8 @@ namespace meshloop {
 
 /// Version 1 has no tables `snapshot` and `calibration`. Such a scene is read as it is.
 [[nodiscard]] Result<bool> has_snapshots(Database& database);
+/// Version 2 has no tables `proposal` and `accepted_proposal`; likewise.
+[[nodiscard]] Result<bool> has_proposals(Database& database);
 /// A scene of an earlier version becomes one of the present version. In a transaction, before anything else is written.
 [[nodiscard]] Status bring_up_to_date(Database& database);
 

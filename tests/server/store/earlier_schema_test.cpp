@@ -46,6 +46,8 @@ INSERT INTO node VALUES
 CREATE INDEX node_present ON node(node_id) WHERE to_revision IS NULL;
 )sql";
 
+constexpr int kPresentVersion = 3;
+
 /// The identity as SQLite takes a blob: a column of the matrix is 1 and four zeros on.
 std::string with_identity(std::string sql) {
   std::string zeros(64, '0');
@@ -98,7 +100,7 @@ TEST_F(EarlierSchema, TheFirstChangeMakesItOneOfThePresentVersion) {
     info.snapshot->calibration = "a rig";
     store->commit({add(3, 1)}, info).value();
   }
-  EXPECT_EQ(schema_version(), 2);
+  EXPECT_EQ(schema_version(), kPresentVersion);
   const auto store = open_or_die(scene_, false);
   const auto log = store->log().value();
   ASSERT_EQ(log.size(), 4u);
@@ -106,6 +108,42 @@ TEST_F(EarlierSchema, TheFirstChangeMakesItOneOfThePresentVersion) {
   ASSERT_TRUE(log[3].snapshot);
   EXPECT_EQ(log[3].snapshot->calibration, "a rig");
   EXPECT_EQ(store->restore(2, "anna").value()->triangle_count(), 3u);
+}
+
+TEST_F(EarlierSchema, HasNoProposalsAndTakesThemInWithTheFirst) {
+  EXPECT_TRUE(open_or_die(scene_, false)->proposals().value().empty());
+  EXPECT_EQ(schema_version(), 1);
+  ProposalSighting sighting;
+  sighting.content.box_m.extend(Eigen::Vector3d::Zero());
+  EXPECT_EQ(open_or_die(scene_, false)->remember({sighting}).value().at(0), 1u);
+  EXPECT_EQ(schema_version(), kPresentVersion);
+  const auto store = open_or_die(scene_, false);
+  EXPECT_EQ(store->proposals().value().size(), 1u);
+  EXPECT_EQ(store->model()->revision, 3u);
+  EXPECT_TRUE(store->log().value().at(2).proposals.empty());
+}
+
+/// As the versions between wrote it: with snapshots, without proposals.
+TEST_F(EarlierSchema, OfVersion2BecomesOneOfThePresentVersionToo) {
+  {
+    const auto store = open_or_die(scene_, false);
+    RevisionInfo info;
+    info.snapshot.emplace().depth_pose.state = TrackState::tracking;
+    info.snapshot->calibration = "a rig";
+    store->commit({add(3, 1)}, info).value();
+  }
+  run_sql(
+      "DROP TABLE accepted_proposal; DROP TABLE proposal; DELETE FROM meta WHERE key = 'next_proposal_id';"
+      "PRAGMA user_version=2; PRAGMA wal_checkpoint(TRUNCATE)");
+  EXPECT_EQ(schema_version(), 2);
+  const auto store = open_or_die(scene_, false);
+  EXPECT_EQ(store->log().value().at(3).snapshot->calibration, "a rig");
+  EXPECT_TRUE(store->proposals().value().empty());
+  store->undo("anna").value();
+  ProposalSighting sighting;
+  sighting.content.box_m.extend(Eigen::Vector3d::Zero());
+  EXPECT_EQ(store->remember({sighting}).value().at(0), 1u);
+  EXPECT_EQ(store->log().value().size(), 5u);
 }
 
 TEST_F(EarlierSchema, UndoAndRedoGoOnWhereTheyWere) {

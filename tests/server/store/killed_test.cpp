@@ -29,10 +29,22 @@ constexpr int kKills = test::kSanitized ? 40 : 200;
 constexpr int kLivesOfAScene = 10;
 
 /// What a child is at. The parent reads it from shared memory once the child is dead.
-enum class Doing { nothing, opening, committing, syncing, undoing, redoing, restoring, reporting, closing, end };
+enum class Doing {
+  nothing,
+  opening,
+  committing,
+  syncing,
+  undoing,
+  redoing,
+  restoring,
+  reporting,
+  closing,
+  remembering,
+  end
+};
 constexpr auto kDoings = static_cast<std::size_t>(Doing::end);
 constexpr std::array<const char*, kDoings> kNames{"nothing", "opening",   "committing", "syncing", "undoing",
-                                                  "redoing", "restoring", "reporting",  "closing"};
+                                                  "redoing", "restoring", "reporting",  "closing", "remembering"};
 
 /// One write of a pipe, which comes whole or not at all.
 struct Report {
@@ -110,12 +122,26 @@ class Child {
     }
     if (model->nodes.size() > 3) edits.push_back(RemoveNode{model->nodes.front().id});
     RevisionInfo info;
+    info.proposals = remember(store, seed);
     info.snapshot = SnapshotInfo{"rig " + std::to_string(seed % 3), {}, std::nullopt};
     info.snapshot->depth_pose.state = TrackState::tracking;
     doing_->store(Doing::committing);
     const auto committed = seed % 2 == 0 ? store.commit(edits, info) : store.commit_unsynced(edits, info);
     if (!committed) ::_exit(4);
     return committed;
+  }
+
+  /// Two proposals, of which the change accepts one; the other is rejected at times.
+  std::vector<AcceptedProposal> remember(SceneStore& store, int seed) {
+    ProposalContent content;
+    content.effect = "seed " + std::to_string(seed);
+    content.box_m.extend(Eigen::Vector3d{1, 2, seed * 1.0});
+    content.box_m.extend(Eigen::Vector3d{2, 3, seed + 1.0});
+    doing_->store(Doing::remembering);
+    const ProposalSighting sighting{std::nullopt, std::nullopt, content};
+    const auto ids = store.remember({sighting, sighting});
+    if (!ids || (seed % 3 == 0 && !store.reject({ids->back()}, "child", "seed"))) ::_exit(5);
+    return {{ids->front(), content}};
   }
 
   std::filesystem::path scene_;
@@ -170,7 +196,31 @@ class Killed : public test::SceneFolder {
       ASSERT_TRUE(model) << model.error().message;
       ASSERT_EQ(content_of(**model), content) << "revision " << revision;
     }
+    check_proposals(**store, *log);
     last_ = last;
+  }
+
+  /// A proposal is accepted exactly when the revision that says so is there and is not undone.
+  static void check_proposals(const SceneStore& store, const std::vector<RevisionInfo>& log) {
+    const auto records = store.proposals();
+    ASSERT_TRUE(records) << records.error().message;
+    std::map<ProposalId, Revision> accepted_by;
+    for (const auto& info : log) {
+      for (const auto& [id, content] : info.proposals) {
+        ASSERT_TRUE(accepted_by.emplace(id, info.revision).second) << "accepted twice";
+        ASSERT_LE(id, records->size());
+        ASSERT_EQ((*records)[id - 1].content.effect, content.effect);
+      }
+    }
+    for (std::size_t i = 0; i < records->size(); ++i) {
+      const ProposalRecord& record = (*records)[i];
+      ASSERT_EQ(record.id, i + 1) << "an id is left out or given twice";
+      const auto found = accepted_by.find(record.id);
+      ASSERT_EQ(record.revision.has_value(), found != accepted_by.end());
+      if (record.revision) {
+        ASSERT_EQ(*record.revision, found->second);
+      }
+    }
   }
 
   std::size_t kills_while(Doing doing) const { return killed_while_[static_cast<std::size_t>(doing)]; }
