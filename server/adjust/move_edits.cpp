@@ -10,6 +10,8 @@
 #include <string>
 #include <utility>
 
+#include "server/adjust/proposal_place.h"
+
 namespace meshloop::adjust {
 namespace {
 
@@ -106,7 +108,10 @@ Proposal propose_move(const Snapshot& snapshot, const Part& part, const NewPlace
   proposal.id = move.closes.front();
   proposal.largest_change_m = largest_way_m(part, node.T_world_node, move.T_world_new_old);
   proposal.effect = effect_of(node, part, move);
+  proposal.confidence = move.confidence;
+  proposal.closes = move.closes;
   proposal.move = std::move(move);
+  proposal.box_m = place_of(*snapshot.model, proposal);
   add_edits(node, part, proposal);
   return proposal;
 }

@@ -6,23 +6,32 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include "server/adjust/color_lookup.h"
 #include "server/adjust/find_moves.h"
 #include "server/adjust/move_edits.h"
 #include "server/adjust/patch.h"
+#include "server/adjust/proposal_place.h"
 #include "server/adjust/removal.h"
+#include "server/adjust/see_through.h"
 
 namespace meshloop {
 namespace {
 
 std::string effect_of(const Proposal& proposal) {
   std::string triangles;
-  if (proposal.triangles_removed > 0) triangles += fmt::format("-{} ", proposal.triangles_removed);
-  if (proposal.triangles_added > 0) triangles += fmt::format("+{} ", proposal.triangles_added);
-  if (proposal.largest_change_m == 0) return triangles + "triangles, where the model had none";
-  return fmt::format("{}triangles; largest change {:.0f} mm", triangles, proposal.largest_change_m * 1000);
+  if (proposal.triangles_removed > 0) triangles = fmt::format("-{} triangles", proposal.triangles_removed);
+  if (proposal.triangles_removed > 0 && proposal.triangles_added > 0) {
+    triangles += fmt::format(", +{}", proposal.triangles_added);
+  } else if (proposal.triangles_added > 0) {
+    triangles = fmt::format("+{} triangles", proposal.triangles_added);
+  }
+  const auto change = proposal.largest_change_m == 0
+                          ? std::string{", where the model had none"}
+                          : fmt::format("; largest change {:.0f} mm", proposal.largest_change_m * 1000);
+  return fmt::format("{}{}; closes region {}", triangles, change, proposal.closes.front());
 }
 
 Proposal start_proposal(const Region& region) {
@@ -30,6 +39,8 @@ Proposal start_proposal(const Region& region) {
   proposal.id = region.id;
   proposal.kind = region.kind;
   proposal.largest_change_m = std::isfinite(region.max_difference_m) ? std::abs(region.max_difference_m) : 0;
+  proposal.confidence = std::erf(std::max(region.significance, 0.0) / std::numbers::sqrt2);
+  proposal.closes = {region.id};
   return proposal;
 }
 
@@ -47,7 +58,8 @@ Proposal propose_insertion(const Region& region, Submesh patch, NodeId& next_nod
   return proposal;
 }
 
-Proposal propose_removal(const Region& region, const Model& model, std::vector<Removal> removals) {
+Proposal propose_removal(const Region& region, const Snapshot& snapshot, std::vector<Removal> removals) {
+  const Model& model = *snapshot.model;
   Proposal proposal = start_proposal(region);
   for (auto& removal : removals) {
     adjust::Removed removed = adjust::remove_from(*model.find(removal.node), removal);
@@ -57,6 +69,9 @@ Proposal propose_removal(const Region& region, const Model& model, std::vector<R
     proposal.triangles_added += removed.added;
     proposal.removed.push_back(std::move(removal));
   }
+  if (proposal.edits.empty()) return proposal;
+  proposal.see_through = adjust::look_through(snapshot, proposal.removed);
+  proposal.confidence = proposal.see_through->share();
   proposal.effect = effect_of(proposal);
   return proposal;
 }
@@ -94,8 +109,10 @@ std::vector<Proposal> propose_regions(const Snapshot& snapshot, const std::map<N
     auto proposal =
         region.kind == ChangeKind::insertion
             ? propose_insertion(region, adjust::make_patch(snapshot, region.id, options, colors), next_node_id)
-            : propose_removal(region, *snapshot.model, std::move(removed[region.id]));
-    if (!proposal.edits.empty()) proposals.push_back(std::move(proposal));
+            : propose_removal(region, snapshot, std::move(removed[region.id]));
+    if (proposal.edits.empty()) continue;
+    proposal.box_m = adjust::place_of(*snapshot.model, proposal);
+    proposals.push_back(std::move(proposal));
   }
   return proposals;
 }

@@ -1,5 +1,6 @@
 #pragma once
 // From a snapshot (frame, pose, comparison, regions) to proposed edits of the model.
+#include <Eigen/Geometry>
 #include <map>
 #include <optional>
 #include <string>
@@ -79,6 +80,23 @@ struct Move {
   std::vector<MovedAlong> along;
 };
 
+/// What speaks for a removal: pixels in which the depth camera was expected to see what goes.
+struct SeeThrough {
+  std::size_t visible = 0;
+  /// Of these, with a measurement, and with one behind what goes by more than the threshold.
+  std::size_t measured = 0;
+  std::size_t seen_through = 0;
+  /// By how much, median over the pixels that are seen through: metres, and in sigmas of the sensor's noise at the
+  /// measured depth. 0 when none is.
+  double behind_m = 0;
+  double behind_sigmas = 0;
+
+  /// Of what was visible; what was not measured is not seen through.
+  [[nodiscard]] double share() const {
+    return visible == 0 ? 0 : static_cast<double>(seen_through) / static_cast<double>(visible);
+  }
+};
+
 /// One region's change, or a move that is behind several. Ids are regions' ids; a move has the first that it
 /// closes, and what it leaves of a closed region has a new one.
 struct Proposal {
@@ -89,8 +107,18 @@ struct Proposal {
   std::vector<Edit> edits;
   std::size_t triangles_added = 0;
   std::size_t triangles_removed = 0;
+  /// 0 where the model had nothing to measure it against.
   double largest_change_m = 0;
-  /// "+96 triangles; largest change 21 mm"; "-2 +14 triangles; ..." where large ones were cut;
+  /// Around what comes, goes or moves (where it was and where it is), in the world.
+  Eigen::AlignedBox3d box_m;
+  /// 0 to 1. Of a move: Move::confidence. Of a removal: SeeThrough::share. Of an insertion: how improbable it is that
+  /// noise alone makes a pixel differ as much as the region's pixels do on average (Region::significance, normal).
+  double confidence = 0;
+  /// Of a removal.
+  std::optional<SeeThrough> see_through;
+  /// Regions that it closes.
+  std::vector<RegionId> closes;
+  /// "+96 triangles; largest change 21 mm; closes region 4"; "-2 triangles, +14; ..." where large ones were cut;
   /// "moves "box" by 20 mm and 0 degrees; closes regions 4 and 7"
   std::string effect;
   /// For `merge_edits`.

@@ -29,11 +29,13 @@ TEST(Propose, OneProposalAConfirmedRegion) {
   for (const auto& proposal : proposals) {
     if (proposal.kind == ChangeKind::insertion) {
       EXPECT_EQ(std::get<AddNode>(proposal.edits.at(0)).node.id, 10u);
-      EXPECT_THAT(proposal.effect, testing::MatchesRegex("\\+[0-9]+ triangles; largest change 400 mm"));
+      EXPECT_THAT(proposal.effect,
+                  testing::MatchesRegex("\\+[0-9]+ triangles; largest change 400 mm; closes region [0-9]+"));
       EXPECT_NEAR(proposal.largest_change_m, 0.4, 1e-3);
       EXPECT_GT(proposal.triangles_added, 0u);
     } else {
-      EXPECT_THAT(proposal.effect, testing::MatchesRegex("-[0-9]+ triangles; largest change 300 mm"));
+      EXPECT_THAT(proposal.effect, testing::MatchesRegex(
+                                       "-[0-9]+ triangles(, \\+[0-9]+)?; largest change 300 mm; closes region [0-9]+"));
       EXPECT_GT(proposal.triangles_removed, 0u);
     }
     EXPECT_NE(proposal.id, 0u);
@@ -86,7 +88,7 @@ TEST(Propose, SaysWhenTheModelHadNothing) {
   const auto world = make_world({unknown}, Pose::Identity());
   const auto proposals = propose(world->snapshot(), 1, {});
   ASSERT_EQ(proposals.size(), 1u);
-  EXPECT_EQ(proposals[0].effect, "+152482 triangles, where the model had none");
+  EXPECT_EQ(proposals[0].effect, "+152482 triangles, where the model had none; closes region 1");
 }
 
 TEST(MergeEdits, RefusesAProposalOfAnotherRevision) {
