@@ -1,17 +1,21 @@
 // `adjust`: snapshots to new revisions, in batch.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <iostream>
 #include <memory>
 
 #include "common/base/clock.h"
+#include "common/base/log.h"
 #include "common/program/arguments.h"
 #include "common/recording/recording.h"
+#include "server/pipeline/adjust_report.h"
 #include "server/pipeline/adjuster.h"
 #include "server/pipeline/commands.h"
+#include "server/pipeline/decisions.h"
+#include "server/pipeline/operator_name.h"
 #include "server/pipeline/options.h"
+#include "server/pipeline/proposal_pictures.h"
 #include "server/pipeline/recent_depths.h"
 #include "server/pipeline/result_json.h"
 #include "server/pipeline/views.h"
@@ -25,6 +29,9 @@ struct AdjustArguments {
   std::string frames;
   ThresholdArguments threshold;
   std::string accept;
+  std::string reject;
+  std::string reason;
+  std::string out;
   OperatorArguments person;
   SurfaceArguments surface;
   ViewArguments views;
@@ -33,8 +40,7 @@ struct AdjustArguments {
 
 struct AdjustRun {
   std::vector<int> frames;
-  bool accept_all = false;
-  std::vector<int> accepted_ids;
+  Decisions decisions;
   /// For the journal.
   std::string author;
   std::string calibration;
@@ -42,8 +48,39 @@ struct AdjustRun {
   /// Frames that may be fused with a listed one.
   RecentDepths recent{1};
   std::optional<TrackedPose> previous_pose;
-  nlohmann::json results = nlohmann::json::array();
+  std::vector<AdjustedFrame> results;
 };
+
+/// What a frame is adjusted with.
+struct Tools {
+  const Rig* rig;
+  Examiner* examiner;
+  Views* views;
+  const ProposalPictures* pictures;
+  SceneStore* store;
+};
+
+Status read_decisions(const AdjustArguments& arguments, AdjustRun& run) {
+  Decisions& decisions = run.decisions;
+  if (auto ok = parse_accept(arguments.accept, "--accept", decisions); !ok) return ok;
+  if (!decisions.accept.empty() && run.frames.size() != 1) {
+    return fail("--accept with ids needs a single frame in --frames", ErrorKind::usage);
+  }
+  if (!arguments.reject.empty()) {
+    auto ids = parse_proposal_ids(arguments.reject);
+    if (!ids) return fail("--reject", ids.error());
+    decisions.reject = std::move(*ids);
+  }
+  if (!arguments.reason.empty() && decisions.reject.empty()) {
+    return fail("--reason says why something is rejected; name it with --reject", ErrorKind::usage);
+  }
+  decisions.reason = arguments.reason;
+  for (const auto id : decisions.accept) {
+    if (std::find(decisions.reject.begin(), decisions.reject.end(), id) == decisions.reject.end()) continue;
+    return fail(fmt::format("proposal {} is accepted and rejected at once", id), ErrorKind::usage);
+  }
+  return {};
+}
 
 Result<AdjustRun> make_run(const AdjustArguments& arguments) {
   AdjustRun run;
@@ -52,118 +89,110 @@ Result<AdjustRun> make_run(const AdjustArguments& arguments) {
   run.frames = std::move(*frames);
   run.options = arguments.surface.adjust_options();
   run.recent = RecentDepths{static_cast<std::size_t>(arguments.surface.fuse)};
-  run.accept_all = arguments.accept == "all";
-  if (!run.accept_all && !arguments.accept.empty()) {
-    auto ids = parse_frame_list(arguments.accept);
-    if (!ids) {
-      return fail(fmt::format("--accept takes all, or ids such as 1,3, not '{}'", arguments.accept), ErrorKind::usage);
-    }
-    run.accepted_ids = std::move(*ids);
-    if (run.frames.size() != 1) return fail("--accept with ids needs a single frame in --frames", ErrorKind::usage);
-  }
+  run.author = arguments.person.name;
+  if (auto ok = read_decisions(arguments, run); !ok) return fail(ok.error());
   return run;
 }
 
-std::vector<Proposal> chosen(const AdjustRun& run, const std::vector<Proposal>& proposals) {
-  std::vector<Proposal> accepted;
-  std::copy_if(proposals.begin(), proposals.end(), std::back_inserter(accepted), [&](const Proposal& proposal) {
-    return run.accept_all ||
-           std::binary_search(run.accepted_ids.begin(), run.accepted_ids.end(), static_cast<int>(proposal.id));
-  });
-  return accepted;
+/// Under their ids. A scene that cannot be written is only looked at, as long as nothing is to be decided.
+Result<std::vector<Offered>> identify(AdjustRun& run, SceneStore& store, std::vector<Proposal> proposals) {
+  const Decisions& decisions = run.decisions;
+  const bool decides = decisions.accept_all || !decisions.accept.empty() || !decisions.reject.empty();
+  auto offered = remember_proposals(store, proposals);
+  if (offered || decides) return offered;
+  log_warning("{}; new proposals have no ids", offered.error().message);
+  return recognise_proposals(store, std::move(proposals));
 }
 
-/// Says which of the ids that --accept names are not proposed.
-Status check_chosen(const AdjustRun& run, int frame, const std::vector<Proposal>& proposals) {
-  std::vector<int> there;
-  for (const auto& proposal : proposals) there.push_back(static_cast<int>(proposal.id));
-  for (const int id : run.accepted_ids) {
-    if (std::find(there.begin(), there.end(), id) != there.end()) continue;
-    return fail(there.empty()
-                    ? fmt::format("frame {} has no proposal {}: it proposes nothing", frame, id)
-                    : fmt::format("frame {} has no proposal {}; it has {}", frame, id, fmt::join(there, ", ")));
+Status draw_proposals(AdjustedFrame& result, const TrackedFrame& tracked, const Examination& examination,
+                      const Tools& tools) {
+  if (!tools.pictures->wanted()) return {};
+  for (const auto& offered : result.offered) {
+    const auto file = tools.pictures->write(tracked, examination, offered, *tools.views);
+    if (!file) return fail(file.error());
+    result.pictures.push_back({{"proposal", *file}, {"before", nullptr}, {"after", nullptr}});
   }
   return {};
 }
 
-nlohmann::json proposal_json(const Proposal& proposal) {
-  nlohmann::json json{{"id", proposal.id},
-                      {"kind", proposal.kind == ChangeKind::insertion ? "insertion" : "removal"},
-                      {"triangles_added", proposal.triangles_added},
-                      {"triangles_removed", proposal.triangles_removed},
-                      {"largest_change_m", proposal.largest_change_m},
-                      {"effect", proposal.effect}};
-  if (!proposal.move) return json;
-  json["kind"] = "move";
-  json["move"] = move_json(*proposal.move);
-  return json;
+Status draw_after(AdjustedFrame& result, const TrackedFrame& tracked, const Examination& before, const Tools& tools) {
+  if (!tools.pictures->wanted()) return {};
+  tools.examiner->model_changed();
+  const auto after = tools.examiner->examine(tracked, *tools.store->model());
+  if (!after) return fail(after.error());
+  for (std::size_t i = 0; i < result.offered.size(); ++i) {
+    if (result.offered[i].record.state != ProposalState::accepted) continue;
+    const auto file = tools.pictures->write_after(tracked, before, *after, result.offered[i], result.revision->revision,
+                                                  *tools.views);
+    if (!file) return fail(file.error());
+    result.pictures[i]["before"] = result.pictures[i]["proposal"];
+    result.pictures[i]["after"] = *file;
+  }
+  return {};
 }
 
-Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const Rig& rig, Examiner& examiner, Views& views,
-                    SceneStore& store) {
-  nlohmann::json result{{"index", tracked.frame.index}, {"revision", nullptr}, {"proposals", nlohmann::json::array()}};
+Status accept(AdjustRun& run, AdjustedFrame& result, const TrackedFrame& tracked, const Examination& examination,
+              const Registration& registration, const Tools& tools) {
+  SceneStore& store = *tools.store;
+  if (auto done = reject_known(store, run.author, run.decisions); !done) return done;
+  auto known = store.proposals();
+  if (!known) return fail(known.error());
+  refresh(*known, result.offered);
+  const auto accepted = chosen(run.decisions, result.offered, *known);
+  if (!accepted) return fail(accepted.error());
+  if (accepted->empty()) return {};
+  auto picture = tools.views->on_color(tracked, examination, fmt::format("frame {}", tracked.frame.index));
+  if (!picture) return fail(picture.error());
+  const Evidence evidence{run.author, snapshot_info(tracked, registration, run.calibration), std::move(*picture)};
+  const auto acceptance = accept_changes(store, *accepted, evidence);
+  if (!acceptance) return fail(acceptance.error());
+  result.revision = acceptance->info;
+  if (auto synced = store.sync(); !synced) {
+    return fail(fmt::format("revision {} may be gone at the next start", acceptance->info.revision), synced.error());
+  }
+  if (known = store.proposals(); !known) return fail(known.error());
+  refresh(*known, result.offered);
+  return draw_after(result, tracked, examination, tools);
+}
+
+Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const Tools& tools) {
+  AdjustedFrame& result = run.results.emplace_back();
+  result.index = tracked.frame.index;
   if (const auto reason = reason_against(tracked.depth_pose)) {
-    if (!run.accepted_ids.empty()) return fail(fmt::format("frame {}: {}", tracked.frame.index, *reason));
-    result["reason"] = *reason;
-    run.results.push_back(std::move(result));
+    if (!run.decisions.accept.empty()) return fail(*reason);
+    result.reason = *reason;
     return {};
   }
-  examiner.model_changed();  // each listed frame stands for itself
-  auto examination = examiner.examine(tracked, *store.model());
-  if (!examination) return fail(fmt::format("frame {}", tracked.frame.index), examination.error());
+  tools.examiner->model_changed();  // each listed frame stands for itself
+  auto examination = tools.examiner->examine(tracked, *tools.store->model());
+  if (!examination) return fail(examination.error());
   const Stopwatch watch;
-  const auto [proposals, registration, fused] =
-      propose_changes(tracked, *examination, run.recent.before(tracked, 0), rig, store, run.options);
-  result["frames_fused"] = fused;
-  result["time_ms"] = {{"snapshot", watch.milliseconds()}};
-  result["registration"] = registration_json(registration, tracked.depth_pose);
-  for (const auto& proposal : proposals) result["proposals"].push_back(proposal_json(proposal));
-  if (auto ok = check_chosen(run, tracked.frame.index, proposals); !ok) return ok;
-  const auto accepted = chosen(run, proposals);
-  if (!accepted.empty()) {
-    const auto frame = fmt::format("frame {}", tracked.frame.index);
-    auto picture = views.on_color(tracked, *examination, frame);
-    if (!picture) return fail(frame, picture.error());
-    const Evidence evidence{run.author, snapshot_info(tracked, registration, run.calibration), std::move(*picture)};
-    const auto acceptance = accept_changes(store, accepted, evidence);
-    if (!acceptance) return fail(frame, acceptance.error());
-    if (auto synced = store.sync(); !synced) {
-      return fail(fmt::format("{}: revision {} may be gone at the next start", frame, acceptance->info.revision),
-                  synced.error());
-    }
-    result["revision"] = acceptance->info.revision;
-    result["triangles_added"] = acceptance->info.triangles_added;
-    result["triangles_removed"] = acceptance->info.triangles_removed;
-  }
-  run.results.push_back(std::move(result));
-  return {};
+  auto changes =
+      propose_changes(tracked, *examination, run.recent.before(tracked, 0), *tools.rig, *tools.store, run.options);
+  result.details = {{"frames_fused", changes.frames},
+                    {"time_ms", {{"snapshot", watch.milliseconds()}}},
+                    {"registration", registration_json(changes.registration, tracked.depth_pose)}};
+  auto offered = identify(run, *tools.store, std::move(changes.proposals));
+  if (!offered) return fail(offered.error());
+  result.offered = std::move(*offered);
+  if (auto done = draw_proposals(result, tracked, *examination, tools); !done) return done;
+  return accept(run, result, tracked, *examination, changes.registration, tools);
 }
 
 /// `done`: how the run ended; the frames before an error are told too, for their revisions stay.
 void report(const AdjustArguments& arguments, const AdjustRun& run, const Model& model, const Status& done) {
-  if (arguments.json) {
-    nlohmann::json json{{"frames", run.results}, {"revision", model.revision}, {"triangles", model.triangle_count()}};
-    if (!done) json["error"] = done.error().message;
-    print_json(json);
+  if (!arguments.json) {
+    for (const auto& frame : run.results) std::cout << frame_text(frame);
     return;
   }
-  for (const auto& frame : run.results) {
-    std::cout << fmt::format("frame {}: ", frame["index"].get<int>());
-    if (frame.contains("reason")) {
-      std::cout << frame["reason"].get<std::string>() << '\n';
-      continue;
-    }
-    const auto& proposals = frame["proposals"];
-    std::cout << (frame["revision"].is_null() ? "nothing accepted"
-                                              : fmt::format("revision {}", frame["revision"].get<int>()))
-              << fmt::format(", {} proposals\n", proposals.size());
-    for (const auto& proposal : proposals) {
-      std::cout << fmt::format("  {:>3}: {}\n", proposal["id"].get<int>(), proposal["effect"].get<std::string>());
-    }
-  }
+  auto frames = nlohmann::json::array();
+  for (const auto& frame : run.results) frames.push_back(frame_json(frame));
+  nlohmann::json json{{"frames", frames}, {"revision", model.revision}, {"triangles", model.triangle_count()}};
+  if (!done) json["error"] = done.error().message;
+  print_json(json);
 }
 
-Status adjust_all(AdjustRun& run, TrackedFrames& frames, Examiner& examiner, Views& views, SceneStore& store) {
+Status adjust_all(AdjustRun& run, TrackedFrames& frames, const Tools& tools) {
   int read = 0;
   while (read <= run.frames.back()) {
     auto tracked = frames.next();
@@ -174,9 +203,12 @@ Status adjust_all(AdjustRun& run, TrackedFrames& frames, Examiner& examiner, Vie
     run.previous_pose = (*tracked)->depth_pose;
     if (is_sharp) run.recent.add(**tracked);
     if (!std::binary_search(run.frames.begin(), run.frames.end(), read - 1)) continue;
-    if (auto done = adjust_frame(run, **tracked, frames.rig(), examiner, views, store); !done) return done;
+    if (auto done = adjust_frame(run, **tracked, tools); !done) {
+      if (!run.results.back().revision) run.results.pop_back();
+      return fail(fmt::format("frame {}", read - 1), done.error());
+    }
   }
-  return {};
+  return check_all_rejected(run.decisions);
 }
 
 Status adjust(const AdjustArguments& arguments) {
@@ -190,7 +222,6 @@ Status adjust(const AdjustArguments& arguments) {
   auto frames = arguments.recording.open();
   if (!frames) return fail(frames.error());
   if (auto there = frames->check_frames(run->frames); !there) return there;
-  run->author = arguments.person.name;
   run->calibration = rig_text(frames->calibration());
   options->regions.confirm_views = 1;
   auto examiner = Examiner::create(frames->rig(), *options);
@@ -199,11 +230,19 @@ Status adjust(const AdjustArguments& arguments) {
   if (!gpu) return fail(gpu.error());
   auto views = Views::create(**gpu, frames->rig(), arguments.views);
   if (!views) return fail(views.error());
-  auto done = adjust_all(*run, *frames, *examiner, *views, **store);
-  const auto is_lost = [](const nlohmann::json& frame) { return frame.contains("reason"); };
+  const auto pictures = ProposalPictures::create(arguments.out);
+  if (!pictures) return fail(pictures.error());
+  if (auto done = reject_known(**store, run->author, run->decisions); !done) return done;
+  auto done = adjust_all(*run, *frames, {&frames->rig(), &*examiner, &*views, &*pictures, store->get()});
+  const auto is_lost = [](const AdjustedFrame& frame) { return !frame.reason.empty(); };
   if (done && std::all_of(run->results.begin(), run->results.end(), is_lost)) done = fail(kEveryFrameIsLost);
+  if (auto synced = (*store)->sync(); !synced && done) done = synced;
   if (!run->results.empty()) report(arguments, *run, *(*store)->model(), done);
   return done;
+}
+
+std::string check_reason(const std::string& text) {
+  return text.empty() ? std::string{} : why_not_one_line(text, "a reason", kLongestReason);
 }
 
 }  // namespace
@@ -216,8 +255,19 @@ void add_adjust_command(CLI::App& app, Action& action) {
   command->add_option("--frames", arguments->frames, "frames to take as snapshots, from 0, such as 0,5,10-20")
       ->required();
   arguments->threshold.add_to(*command);
-  command->add_option("--accept", arguments->accept,
-                      "all, or ids of proposals (1,3), each of which counts once; nothing is accepted if not given");
+  command->add_option(
+      "--accept", arguments->accept,
+      "all that is not rejected, or ids of proposals (1,3) that the one frame shows; nothing is accepted "
+      "if not given. A proposal keeps its id in later frames and runs");
+  command->add_option("--reject", arguments->reject,
+                      "ids of proposals (2,4) that `--accept all` and `run` leave out from now on, as long as what is "
+                      "measured there stays the same; --accept with the id takes it back");
+  command->add_option("--reason", arguments->reason, "why, for --reject: one line")
+      ->check(CLI::Validator{check_reason, ""});
+  command->add_option(
+      "--out", arguments->out,
+      "folder for pictures: proposal_ID.png of each proposal, and proposal_ID_after.png of each one that "
+      "is accepted");
   arguments->surface.add_to(*command);
   arguments->person.add_to(*command);
   arguments->views.add_colors_to(*command);

@@ -76,8 +76,10 @@ SnapshotInfo snapshot_info(const TrackedFrame& tracked, const Registration& regi
   return info;
 }
 
-Result<Acceptance> accept_changes(SceneStore& store, const std::vector<Proposal>& accepted, const Evidence& evidence) {
-  const auto merged = merge_edits(*store.model(), accepted);
+Result<Acceptance> accept_changes(SceneStore& store, const std::vector<Offered>& accepted, const Evidence& evidence) {
+  std::vector<Proposal> proposals;
+  for (const auto& offered : accepted) proposals.push_back(offered.proposal);
+  const auto merged = merge_edits(*store.model(), proposals);
   if (!merged) return fail(merged.error());
   Acceptance acceptance;
   RevisionInfo& info = acceptance.info;
@@ -86,9 +88,10 @@ Result<Acceptance> accept_changes(SceneStore& store, const std::vector<Proposal>
   info.snapshot = evidence.snapshot;
   info.triangles_added = merged->triangles_added;
   info.triangles_removed = merged->triangles_removed;
-  for (const auto& proposal : accepted) {
+  for (const auto& [proposal, record] : accepted) {
     if (!info.summary.empty()) info.summary += "; ";
-    info.summary += proposal.move ? proposal.effect : fmt::format("region {}: {}", proposal.id, proposal.effect);
+    info.summary += fmt::format("proposal {}: {}", record.id, proposal.effect);
+    info.proposals.push_back({record.id, content_of(proposal)});
     if (proposal.move) acceptance.moves.push_back(*proposal.move);
   }
   if (auto png = encode_png(evidence.picture)) info.pictures.push_back(std::move(*png));

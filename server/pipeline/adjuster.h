@@ -8,6 +8,7 @@
 #include "server/adjust/proposal.h"
 #include "server/adjust/registration.h"
 #include "server/pipeline/examiner.h"
+#include "server/pipeline/proposal_book.h"
 #include "server/store/scene_store.h"
 
 namespace meshloop {
@@ -41,9 +42,9 @@ struct Evidence {
   SnapshotInfo snapshot;
   ColorImage picture;
 };
-/// Commits the proposals as one revision, without waiting for the disk (SceneStore::sync does): whoever waits for the
-/// change shall not wait for that.
-[[nodiscard]] Result<Acceptance> accept_changes(SceneStore& store, const std::vector<Proposal>& accepted,
+/// Commits the proposals, which the store knows, as one revision that accepts them, without waiting for the disk
+/// (SceneStore::sync does): whoever waits for the change shall not wait for that.
+[[nodiscard]] Result<Acceptance> accept_changes(SceneStore& store, const std::vector<Offered>& accepted,
                                                 const Evidence& evidence);
 
 /// Why nothing may be written to the model with this pose, or nothing when it may: it is lost or uncertain.

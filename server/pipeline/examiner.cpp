@@ -10,18 +10,18 @@
 namespace meshloop {
 namespace {
 
-/// Whether each region id of a map is a confirmed removal.
-std::vector<bool> confirmed_removals(const RegionMap& map) {
-  std::vector<bool> removal(1, false);
+/// Whether each region id of a map is confirmed, and a removal where only those are asked for.
+std::vector<bool> confirmed_ones(const RegionMap& map, bool removals_only) {
+  std::vector<bool> confirmed(1, false);
   for (const auto& region : map.regions) {
-    removal.resize(std::max<std::size_t>(removal.size(), region.id + 1), false);
-    removal[region.id] = region.confirmed && region.kind == ChangeKind::removal;
+    confirmed.resize(std::max<std::size_t>(confirmed.size(), region.id + 1), false);
+    confirmed[region.id] = region.confirmed && (!removals_only || region.kind == ChangeKind::removal);
   }
-  return removal;
+  return confirmed;
 }
 
-void keep_confirmed_inside(const RegionMap& removed, RegionMap& behind) {
-  const auto was_removed = confirmed_removals(removed);
+void keep_confirmed_inside(const RegionMap& removed, bool removals_only, RegionMap& behind) {
+  const auto was_removed = confirmed_ones(removed, removals_only);
   std::unordered_map<RegionId, int> inside;
   for (std::size_t i = 0; i < behind.ids.size(); ++i) {
     const RegionId before = removed.ids.pixels()[i];
@@ -83,11 +83,20 @@ Result<Examination> Examiner::examine(const TrackedFrame& frame, const Model& mo
 }
 
 Result<Examination> Examiner::examine_behind(const TrackedFrame& frame, const Model& model, const RegionMap& removed) {
+  return examine_inside(frame, model, removed, true);
+}
+
+Result<Examination> Examiner::examine_again(const TrackedFrame& frame, const Model& model, const RegionMap& before) {
+  return examine_inside(frame, model, before, false);
+}
+
+Result<Examination> Examiner::examine_inside(const TrackedFrame& frame, const Model& model, const RegionMap& before,
+                                             bool removals_only) {
   RegionOptions options = options_.regions;
   options.confirm_views = 1;
   RegionTracker regions{options};
   auto examination = finish(begin(frame, model), regions);
-  if (examination) keep_confirmed_inside(removed, examination->regions);
+  if (examination) keep_confirmed_inside(before, removals_only, examination->regions);
   return examination;
 }
 

@@ -63,12 +63,18 @@ class Examiner {
   /// confirmed.
   [[nodiscard]] Result<Examination> examine_behind(const TrackedFrame& frame, const Model& model,
                                                    const RegionMap& removed);
+  /// The same frame again after any change of the model: only regions of which more than half lies where `before` has
+  /// a region that was confirmed are confirmed.
+  [[nodiscard]] Result<Examination> examine_again(const TrackedFrame& frame, const Model& model,
+                                                  const RegionMap& before);
   /// The regions seen so far were those of another model.
   void model_changed() { regions_.reset(); }
 
  private:
   Examiner(std::unique_ptr<BackgroundComparator> comparator, Rig rig, const ExaminerOptions& options);
   [[nodiscard]] Result<Examination> finish(Begun begun, RegionTracker& regions);
+  [[nodiscard]] Result<Examination> examine_inside(const TrackedFrame& frame, const Model& model,
+                                                   const RegionMap& before, bool removals_only);
 
   std::unique_ptr<BackgroundComparator> comparator_;
   Rig rig_;

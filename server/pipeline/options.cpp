@@ -11,6 +11,7 @@
 #include "common/program/arguments.h"
 #include "server/capture/prefetching_source.h"
 #include "server/capture/recording_source.h"
+#include "server/pipeline/operator_name.h"
 
 namespace meshloop {
 namespace {
@@ -32,11 +33,9 @@ Result<RigTrackerOptions> tracker_options(const std::string& markers, const std:
   return options;
 }
 
-/// A name that would break the journal's lines is none.
 std::string check_name(const std::string& name) {
-  const bool is_plain =
-      std::none_of(name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; });
-  return is_plain ? std::string{} : "a name has no control characters";
+  // No value at all is refused for every option alike.
+  return name.empty() ? std::string{} : why_not_one_line(name, "a name", kLongestName);
 }
 
 /// $USER is left out where a service or a container starts the program.
@@ -52,7 +51,9 @@ std::string login_name() {
 OperatorArguments::OperatorArguments() : name{login_name()} {}
 
 void OperatorArguments::add_to(CLI::App& command) {
-  command.add_option("--operator", name, "who the journal says it was; the login name if not given")
+  command
+      .add_option("--operator", name,
+                  "who the journal says it was: UTF-8, at most 100 letters; the login name if not given")
       ->check(CLI::Validator{check_name, ""});
 }
 

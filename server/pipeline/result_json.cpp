@@ -10,21 +10,16 @@
 
 #include "common/base/hash.h"
 #include "server/compare/compare_input.h"
+#include "server/pipeline/proposal_json.h"
 
 namespace meshloop {
 namespace {
 
 template <class Box>
-nlohmann::json box_json(const Box& box) {
+nlohmann::json any_box_json(const Box& box) {
   if (box.isEmpty()) return nullptr;
   const auto list = [](const auto& corner) { return std::vector(corner.begin(), corner.end()); };
   return {{"min", list(box.min())}, {"max", list(box.max())}};
-}
-
-nlohmann::json pose_json(const Pose& pose) {
-  const Eigen::Vector3d t = pose.translation();
-  const Eigen::Quaterniond q = Eigen::Quaterniond(pose.linear()).normalized();
-  return {{"translation", {t.x(), t.y(), t.z()}}, {"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}}};
 }
 
 /// The upper triangle, row by row, as rig.yaml has covariances.
@@ -51,6 +46,20 @@ nlohmann::json snapshot_json(const SnapshotInfo& snapshot) {
 }
 
 }  // namespace
+
+nlohmann::json box_json(const Eigen::AlignedBox2i& box) {
+  return any_box_json(box);
+}
+
+nlohmann::json box_json(const Eigen::AlignedBox3d& box) {
+  return any_box_json(box);
+}
+
+nlohmann::json pose_json(const Pose& pose) {
+  const Eigen::Vector3d t = pose.translation();
+  const Eigen::Quaterniond q = Eigen::Quaterniond(pose.linear()).normalized();
+  return {{"translation", {t.x(), t.y(), t.z()}}, {"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}}};
+}
 
 nlohmann::json counts_json(const Comparison& comparison) {
   nlohmann::json json;
@@ -129,6 +138,8 @@ nlohmann::json move_json(const Move& move) {
 }
 
 nlohmann::json revision_json(const RevisionInfo& info) {
+  nlohmann::json proposals = nlohmann::json::array();
+  for (const auto& proposal : info.proposals) proposals.push_back(proposal_json(proposal));
   return {{"revision", info.revision},
           {"parent", info.parent},
           {"accepted_ns", info.accepted_ns},
@@ -137,6 +148,7 @@ nlohmann::json revision_json(const RevisionInfo& info) {
           {"triangles_added", info.triangles_added},
           {"triangles_removed", info.triangles_removed},
           {"pictures", info.pictures.size()},
+          {"proposals", proposals},
           {"snapshot", info.snapshot ? snapshot_json(*info.snapshot) : nlohmann::json(nullptr)}};
 }
 

@@ -12,6 +12,11 @@
 
 namespace meshloop {
 
+/// {"min", "max"}, null for an empty box.
+[[nodiscard]] nlohmann::json box_json(const Eigen::AlignedBox2i& box);
+[[nodiscard]] nlohmann::json box_json(const Eigen::AlignedBox3d& box);
+/// `translation` in metres, `rotation_xyzw`.
+[[nodiscard]] nlohmann::json pose_json(const Pose& pose);
 [[nodiscard]] nlohmann::json counts_json(const Comparison& comparison);
 [[nodiscard]] nlohmann::json region_json(const Region& region);
 /// Metres, null when nothing can be told.
@@ -26,7 +31,7 @@ namespace meshloop {
 /// Node, those that move along, transform in the world (from where it was to where it is), confidence and the regions
 /// that it closes.
 [[nodiscard]] nlohmann::json move_json(const Move& move);
-/// The rig of a snapshot is named by the hash of its text (calibration_name).
+/// With the proposals that it accepted. The rig of a snapshot is named by the hash of its text (calibration_name).
 [[nodiscard]] nlohmann::json revision_json(const RevisionInfo& info);
 [[nodiscard]] std::string calibration_name(const std::string& calibration);
 

@@ -1,5 +1,7 @@
 // `run`: the live station.
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <memory>
 
@@ -23,10 +25,28 @@ struct RunArguments {
   OperatorArguments person;
   SurfaceArguments surface;
   std::string accept = "none";
+  std::optional<double> sure_confidence;
+  std::optional<double> sure_change_m;
   bool fast = false;
 };
 
+Status set_rule(const RunArguments& arguments, AcceptanceRule& rule) {
+  rule.what = arguments.accept == "all"    ? AcceptanceRule::What::all
+              : arguments.accept == "sure" ? AcceptanceRule::What::sure
+                                           : AcceptanceRule::What::none;
+  const bool says_how_sure = arguments.sure_confidence.has_value() || arguments.sure_change_m.has_value();
+  if (says_how_sure && rule.what != AcceptanceRule::What::sure) {
+    return fail("--sure-confidence and --sure-change are for --accept sure", ErrorKind::usage);
+  }
+  rule.least_confidence = arguments.sure_confidence.value_or(rule.least_confidence);
+  rule.largest_change_m = arguments.sure_change_m.value_or(rule.largest_change_m);
+  return {};
+}
+
 Status run(RunArguments arguments) {
+  if (arguments.station.commands && ::fcntl(STDIN_FILENO, F_GETFD) < 0) {
+    return fail("--commands are read from standard input, which is closed", ErrorKind::usage);
+  }
   const auto [kind, folder] = split_kind(arguments.source);
   if (kind != "recording" || folder.empty()) {
     return fail(fmt::format("unknown source '{}'; this version takes recording:DIR", arguments.source),
@@ -41,7 +61,7 @@ Status run(RunArguments arguments) {
   options.examiner.wait_for_detail = arguments.fast;
   options.scene = arguments.scene;
   options.out = arguments.out;
-  options.accept_all = arguments.accept == "all";
+  if (auto ok = set_rule(arguments, options.accept); !ok) return ok;
   options.operator_name = arguments.person.name;
   options.frames_fused = arguments.surface.fuse;
   options.adjust = arguments.surface.adjust_options();
@@ -70,9 +90,26 @@ void add_run_command(CLI::App& app, Action& action) {
       ->capture_default_str();
   arguments->threshold.add_to(*command);
   command
-      ->add_option("--accept", arguments->accept, "what is accepted without asking: all confirmed proposals, or none")
-      ->check(CLI::IsMember({"all", "none"}))
+      ->add_option(
+          "--accept", arguments->accept,
+          "what is accepted without asking, of what is confirmed while the pose is certain and the camera slow: "
+          "none, all, or what is sure (below). Never what somebody rejected or undid")
+      ->check(CLI::IsMember({"none", "all", "sure"}))
       ->capture_default_str();
+  command
+      ->add_option("--sure-confidence", arguments->sure_confidence,
+                   "sure has at least this confidence: of a move, the share of the measurements that it explains; of a "
+                   "removal, the share of the removed surface in sight that is seen through; of new surface, how "
+                   "improbable it is as noise (0.9 if not given)")
+      ->check(between(0, 1));
+  command
+      ->add_option("--sure-change", arguments->sure_change_m,
+                   "and changes the model by at most so many metres; new surface where the model has nothing behind it "
+                   "is not sure (0.3 if not given)")
+      ->check(between(0.001, 100));
+  command->add_flag("--commands", arguments->station.commands,
+                    "take commands from standard input, one a line: accept all, accept 1,3, reject 2 WHY, undo, redo, "
+                    "list; what is proposed is told with its ids");
   arguments->surface.fuse = 8;
   arguments->surface.add_to(*command);
   arguments->person.add_to(*command);

@@ -1,8 +1,6 @@
 // `scene`: the scene file.
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include <chrono>
 #include <functional>
 #include <iostream>
 #include <memory>
@@ -10,10 +8,11 @@
 #include "common/base/clock.h"
 #include "common/interchange/model_file.h"
 #include "common/program/arguments.h"
+#include "common/program/json_output.h"
 #include "common/program/model_arguments.h"
 #include "server/pipeline/commands.h"
 #include "server/pipeline/options.h"
-#include "server/pipeline/result_json.h"
+#include "server/pipeline/scene_history.h"
 
 namespace meshloop {
 namespace {
@@ -23,6 +22,8 @@ struct SceneArguments {
   std::string file;
   ModelArguments model;
   std::optional<Revision> revision;  // none: the present one
+  std::string pictures;              // folder; none: they are not written
+  std::string state = "all";
   OperatorArguments person;
   bool json = false;
 };
@@ -107,28 +108,15 @@ Status scene_info(const SceneArguments& arguments, SceneStore& store) {
   return {};
 }
 
-void print_revision(const RevisionInfo& info) {
-  const std::chrono::sys_seconds accepted{
-      std::chrono::duration_cast<std::chrono::seconds>(std::chrono::nanoseconds{info.accepted_ns})};
-  std::cout << fmt::format("{:>5}  {:%Y-%m-%dT%H:%M:%SZ}  +{} -{} triangles  {}: {}\n", info.revision, accepted,
-                           info.triangles_added, info.triangles_removed, info.author, info.summary);
+Status scene_log(const SceneArguments& arguments, SceneStore& store) {
+  return print_log(store, arguments.json, arguments.pictures);
 }
 
-Status scene_log(const SceneArguments& arguments, SceneStore& store) {
-  const auto log = store.log();
-  if (!log) return fail(log.error());
-  nlohmann::json revisions = nlohmann::json::array();
-  nlohmann::json calibrations = nlohmann::json::object();
-  for (const auto& info : *log) {
-    if (!arguments.json) {
-      print_revision(info);
-      continue;
-    }
-    revisions.push_back(revision_json(info));
-    if (info.snapshot) calibrations[calibration_name(info.snapshot->calibration)] = info.snapshot->calibration;
+Status scene_proposals(const SceneArguments& arguments, SceneStore& store) {
+  for (const auto state : {ProposalState::open, ProposalState::accepted, ProposalState::rejected}) {
+    if (name_of(state) == arguments.state) return print_proposals(store, arguments.json, state);
   }
-  if (arguments.json) print_json({{"revisions", revisions}, {"calibrations", calibrations}});
-  return {};
+  return print_proposals(store, arguments.json, std::nullopt);
 }
 
 Status print_result(const SceneArguments& arguments, const Result<std::shared_ptr<const Model>>& model) {
@@ -166,7 +154,8 @@ std::function<Status(const SceneArguments&)> on_store(StoreAction action) {
 
 void add_scene_command(CLI::App& app, Action& action) {
   auto arguments = std::make_shared<SceneArguments>();
-  CLI::App* scene = app.add_subcommand("scene", "the scene file: import, export, info, log, undo, redo, restore");
+  CLI::App* scene =
+      app.add_subcommand("scene", "the scene file: import, export, info, log, proposals, undo, redo, restore");
   scene->require_subcommand(1);
   CLI::App* importer =
       add_one(*scene, "import", "add a model file as a new revision; makes the scene file when it is not there",
@@ -178,7 +167,13 @@ void add_scene_command(CLI::App& app, Action& action) {
   exporter->add_option("--revision", arguments->revision, "the model as it was then; the present one if not given")
       ->check(counter());
   add_one(*scene, "info", "nodes and triangles", arguments, action, on_store(scene_info));
-  add_one(*scene, "log", "the journal of revisions", arguments, action, on_store(scene_log));
+  CLI::App* log = add_one(*scene, "log", "the journal of revisions", arguments, action, on_store(scene_log));
+  log->add_option("--pictures", arguments->pictures, "folder to write the snapshots' pictures to, as they are stored");
+  CLI::App* proposals = add_one(*scene, "proposals", "what was proposed, and what became of it", arguments, action,
+                                on_store(scene_proposals));
+  proposals->add_option("--state", arguments->state, "which to list")
+      ->check(CLI::IsMember({"all", "open", "accepted", "rejected"}))
+      ->capture_default_str();
   CLI::App* undo = add_one(*scene, "undo", "go back by one revision", arguments, action, on_store(scene_undo));
   arguments->person.add_to(*undo);
   CLI::App* redo = add_one(*scene, "redo", "take an undo back", arguments, action, on_store(scene_redo));

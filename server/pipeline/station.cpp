@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 #include <chrono>
 #include <iostream>
 #include <thread>
@@ -10,41 +12,10 @@
 #include "common/base/log.h"
 #include "common/image/image_file.h"
 #include "common/program/stop_signal.h"
-#include "server/pipeline/recent_depths.h"
-#include "server/pipeline/region_pictures.h"
 #include "server/pipeline/result_json.h"
+#include "server/pipeline/station_parts.h"
 
 namespace meshloop {
-
-struct Station::InFlight {
-  TrackedFrame tracked;
-  std::shared_ptr<const Model> model;
-  /// The event that tells of the frame, as far as it is known.
-  nlohmann::json event;
-  /// Why the model may not be changed from this frame.
-  std::optional<std::string> wait;
-  /// Reads the frame and the model, and therefore ends before them.
-  std::optional<Examiner::Begun> begun;
-};
-
-struct Station::Parts {
-  StationOptions options;
-  Rig rig;
-  std::unique_ptr<GpuContext> gpu;
-  Examiner examiner;
-  Views views;
-  std::unique_ptr<SceneStore> store;
-  Publisher publisher;
-  std::optional<TrackedPose> previous_pose;
-  /// The last revision's picture "after" is still to be made, from the next frame.
-  bool after_is_due = false;
-  PublishReport last_publish;
-  /// When the newest revision was accepted, while it could not be published.
-  std::optional<std::int64_t> unpublished_ns;
-  RegionPictures region_pictures;
-  RecentDepths recent;
-  std::unique_ptr<InFlight> in_flight;
-};
 
 Station::Station(std::unique_ptr<Parts> parts) : parts_{std::move(parts)} {}
 Station::~Station() = default;
@@ -80,7 +51,11 @@ Result<std::unique_ptr<Station>> Station::create(const StationOptions& options, 
                                          .unpublished_ns = std::nullopt,
                                          .region_pictures = RegionPictures{options.out},
                                          .recent = RecentDepths{static_cast<std::size_t>(options.frames_fused)},
-                                         .in_flight = nullptr}};
+                                         .in_flight = nullptr,
+                                         .commands = CommandLines{options.commands ? STDIN_FILENO : -1},
+                                         .offer = std::nullopt,
+                                         .offered_regions = {},
+                                         .looked = std::nullopt}};
   std::unique_ptr<Station> station{new Station{std::move(parts)}};
   const auto model = station->parts_->store->model();
   if (auto done = station->publish(model, wall_clock_ns()); !done) return fail(done.error());
@@ -152,44 +127,65 @@ nlohmann::json Station::confirmed_json(const TrackedFrame& tracked, const Examin
   return regions;
 }
 
-Result<std::optional<Station::Change>> Station::change(const TrackedFrame& tracked, Examination examination) {
-  const Stopwatch snapshot_watch;
+Result<Station::Offer> Station::look(TrackedFrame tracked, Examination examination) {
+  const Stopwatch watch;
   const int first = first_frame_of(examination.regions, tracked.frame.index);
-  auto [proposals, registration, frames] = propose_changes(tracked, examination, parts_->recent.before(tracked, first),
-                                                           parts_->rig, *parts_->store, parts_->options.adjust);
+  auto changes = propose_changes(tracked, examination, parts_->recent.before(tracked, first), parts_->rig,
+                                 *parts_->store, parts_->options.adjust);
+  auto proposals = remember_proposals(*parts_->store, std::move(changes.proposals));
+  if (!proposals) return fail("remembering proposals", proposals.error());
+  return Offer{.tracked = std::move(tracked),
+               .examination = std::move(examination),
+               .registration = changes.registration,
+               .frames = changes.frames,
+               .snapshot_ms = watch.milliseconds(),
+               .proposals = std::move(*proposals)};
+}
+
+Result<Station::Change> Station::change(const Offer& offer, const std::vector<Offered>& accepted,
+                                        const std::string& author) {
+  const auto& [tracked, examination, registration, frames, snapshot_ms, proposals] = offer;
   Change change;
-  change.frames = frames;
-  change.registration = registration_json(registration, tracked.depth_pose);
-  change.snapshot_ms = snapshot_watch.milliseconds();
-  if (proposals.empty()) return std::nullopt;
+  change.offer = &offer;
   const auto title = fmt::format("frame {}, before revision {}, {}", tracked.frame.index,
                                  parts_->store->model()->revision + 1, smallest_change_text(examination));
   change.picture = draw_color(tracked, examination, title);
-  const Evidence evidence{parts_->options.operator_name + " (automatic)",
-                          snapshot_info(tracked, registration, parts_->options.calibration), change.picture};
-  auto acceptance = accept_changes(*parts_->store, proposals, evidence);
+  const Evidence evidence{author, snapshot_info(tracked, registration, parts_->options.calibration), change.picture};
+  auto acceptance = accept_changes(*parts_->store, accepted, evidence);
   if (!acceptance) return fail("accepting", acceptance.error());
   publish_or_retry(acceptance->info.accepted_ns);
   change.acceptance = std::move(*acceptance);
   change.published = parts_->last_publish;
   change.is_published = !parts_->unpublished_ns;
-  change.examination = std::move(examination);
   parts_->examiner.model_changed();
+  parts_->looked.reset();
   return change;
 }
 
-Status Station::accept(const TrackedFrame& tracked, Examination examination) {
-  auto first = change(tracked, std::move(examination));
+Status Station::accept(const Offer& offer, const std::vector<Offered>& accepted, const std::string& author) {
+  auto done = change(offer, accepted, author);
+  if (!done) return fail(done.error());
+  return conclude({std::move(*done)});
+}
+
+Status Station::accept_by_rule(const Offer& offer, const std::vector<Offered>& accepted) {
+  const auto author = parts_->options.operator_name + " (automatic)";
+  auto first = change(offer, accepted, author);
   if (!first) return fail(first.error());
-  if (!*first) return {};
   std::vector<Change> changes;
-  changes.push_back(std::move(**first));
+  changes.push_back(std::move(*first));
   Status second_done;
+  std::optional<Offer> behind;
   if (changes.front().acceptance.info.triangles_removed > 0 || !changes.front().acceptance.moves.empty()) {
-    auto second = change_behind(tracked, changes.front().examination);
+    auto second = change_behind(offer, author, behind);
     if (!second) second_done = fail(second.error());  // the first one stays, and is told
     if (second && *second) changes.push_back(std::move(**second));
   }
+  auto concluded = conclude(changes);
+  return concluded ? second_done : concluded;
+}
+
+Status Station::conclude(const std::vector<Change>& changes) {
   // The report promises that the revision will be there whatever happens; devices need not wait for that.
   const Stopwatch watch;
   if (auto synced = parts_->store->sync(); !synced) {
@@ -197,30 +193,43 @@ Status Station::accept(const TrackedFrame& tracked, Examination examination) {
         fmt::format("revision {} was accepted, but may be gone at the next start", parts_->store->model()->revision),
         synced.error());
   }
-  for (const auto& change : changes) tell_revision(tracked, change, watch.milliseconds());
+  for (const auto& change : changes) tell_revision(change, watch.milliseconds());
   for (const auto& change : changes) {
-    write_pictures("before", change.acceptance.info.revision, tracked, change.examination, &change.picture);
+    const Offer& offer = *change.offer;
+    write_pictures("before", change.acceptance.info.revision, offer.tracked, offer.examination, &change.picture);
   }
   parts_->after_is_due = true;
-  return second_done;
+  return {};
 }
 
-Result<std::optional<Station::Change>> Station::change_behind(const TrackedFrame& tracked,
-                                                              const Examination& examination) {
-  auto behind = parts_->examiner.examine_behind(tracked, *parts_->store->model(), examination.regions);
-  if (!behind) return fail(fmt::format("frame {}", tracked.frame.index), behind.error());
-  auto& regions = behind->regions.regions;
+Result<std::optional<Station::Change>> Station::change_behind(const Offer& offer, const std::string& author,
+                                                              std::optional<Offer>& behind) {
+  const TrackedFrame& tracked = offer.tracked;
+  auto examined = parts_->examiner.examine_behind(tracked, *parts_->store->model(), offer.examination.regions);
+  if (!examined) return fail(fmt::format("frame {}", tracked.frame.index), examined.error());
+  auto& regions = examined->regions.regions;
   for (auto& region : regions) region.confirmed = region.confirmed && region.kind == ChangeKind::insertion;
-  return change(tracked, std::move(*behind));
+  auto looked = look(tracked, std::move(*examined));
+  if (!looked) return fail(looked.error());
+  behind = std::move(*looked);
+  const auto accepted = chosen_by_rule(*behind);
+  if (accepted.size() < behind->proposals.size()) tell_proposals(*behind);
+  if (accepted.empty()) return std::nullopt;
+  auto done = change(*behind, accepted, author);
+  if (!done) return fail(done.error());
+  return std::move(*done);
 }
 
-void Station::tell_revision(const TrackedFrame& tracked, const Change& change, double sync_ms) const {
+void Station::tell_revision(const Change& change, double sync_ms) const {
+  const Offer& offer = *change.offer;
   const auto& info = change.acceptance.info;
   nlohmann::json moves = nlohmann::json::array();
   for (const auto& move : change.acceptance.moves) moves.push_back(move_json(move));
+  nlohmann::json ids = nlohmann::json::array();
+  for (const auto& proposal : info.proposals) ids.push_back(proposal.id);
   tell({{"event", "revision"},
         {"revision", info.revision},
-        {"frame", tracked.frame.index},
+        {"frame", offer.tracked.frame.index},
         {"accepted_ns", info.accepted_ns},
         {"triangles_added", info.triangles_added},
         {"triangles_removed", info.triangles_removed},
@@ -230,11 +239,12 @@ void Station::tell_revision(const TrackedFrame& tracked, const Change& change, d
         {"raw_bytes", change.published.raw_bytes},
         {"devices", parts_->publisher.readers()},
         {"summary", info.summary},
-        {"registration", change.registration},
-        {"frames_fused", change.frames},
+        {"proposals", ids},
+        {"registration", registration_json(offer.registration, offer.tracked.depth_pose)},
+        {"frames_fused", offer.frames},
         {"moves", moves},
         {"time_ms",
-         {{"snapshot", change.snapshot_ms},
+         {{"snapshot", offer.snapshot_ms},
           {"commit", change.acceptance.commit_ms},
           {"encode", change.published.encode_ms},
           {"sync", sync_ms}}}});
@@ -283,20 +293,22 @@ Status Station::finish(const InFlight& frame, Examination examination) {
     parts_->after_is_due = false;
     write_pictures("after", frame.model->revision, tracked, examination, nullptr);
   }
-  if (confirmed == 0 || frame.wait || !parts_->options.accept_all) return {};
-  return accept(tracked, std::move(examination));
+  if (confirmed == 0 || frame.wait) return {};
+  return consider(tracked, std::move(examination));
 }
 
-void Station::serve() {
+Status Station::serve() {
   constexpr double kRetry_ms = 1000;
   const Stopwatch watch;
   double last_try_ms = 0;
   while (!stop_requested() && (parts_->options.serve_s < 0 || watch.milliseconds() < 1000 * parts_->options.serve_s)) {
     std::this_thread::sleep_for(std::chrono::milliseconds{20});
+    if (auto done = obey_all(); !done) return done;
     if (!parts_->unpublished_ns || watch.milliseconds() < last_try_ms + kRetry_ms) continue;
     publish_or_retry(*parts_->unpublished_ns);
     last_try_ms = watch.milliseconds();
   }
+  return {};
 }
 
 Status Station::run(TrackedFrames& frames) {
@@ -307,14 +319,14 @@ Status Station::run(TrackedFrames& frames) {
     }
     auto tracked = frames.next();
     if (auto done = finish(); !done) return done;
+    if (auto done = obey_all(); !done) return done;
     if (!tracked) return fail(tracked.error());
     if (!*tracked || stop_requested()) break;
     begin(std::move(**tracked));
   }
   if (auto done = finish(); !done) return done;
   tell({{"event", "end"}, {"revision", parts_->store->model()->revision}});
-  serve();
-  return {};
+  return serve();
 }
 
 }  // namespace meshloop

@@ -4,10 +4,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "server/pipeline/acceptance_rule.h"
 #include "server/pipeline/adjuster.h"
+#include "server/pipeline/operator_commands.h"
 #include "server/pipeline/views.h"
 #include "server/publish/publisher.h"
 
@@ -18,8 +21,10 @@ struct StationOptions {
   /// Name of the scene on the network.
   LinkOptions link;
   ExaminerOptions examiner;
-  /// Accept every confirmed proposal when reason_to_wait has nothing against it; otherwise only show them.
-  bool accept_all = false;
+  /// Which confirmed proposals are accepted when reason_to_wait has nothing against the frame.
+  AcceptanceRule accept;
+  /// Take commands (operator_commands.h) from standard input, and show what is proposed.
+  bool commands = false;
   AdjustOptions adjust;
   /// New surface is made of at most so many frames, of those since its region is there.
   int frames_fused = 8;
@@ -50,6 +55,11 @@ class Station {
   explicit Station(std::unique_ptr<Parts> parts);
   /// A frame that is being compared with the model.
   struct InFlight;
+  /// What a frame proposes, and what that was made from.
+  struct Offer;
+  struct Looked;
+  /// Why a command was not done.
+  using Refusal = std::optional<std::string>;
   void begin(TrackedFrame tracked);
   /// The rest of the frame in flight, if there is one: regions, pictures, a revision.
   [[nodiscard]] Status finish();
@@ -60,20 +70,38 @@ class Station {
     PublishReport published;
     bool is_published = false;
     /// What it was made from, and its picture.
-    Examination examination;
+    const Offer* offer = nullptr;
     ColorImage picture;
-    nlohmann::json registration;
-    std::size_t frames = 1;
-    double snapshot_ms = 0;
   };
-  /// Everything that a frame says: one revision or two, published, brought to the disk and told.
-  [[nodiscard]] Status accept(const TrackedFrame& tracked, Examination examination);
-  /// Commits and publishes what is proposed, if anything is.
-  [[nodiscard]] Result<std::optional<Change>> change(const TrackedFrame& tracked, Examination examination);
+  /// What a frame proposes, remembered.
+  [[nodiscard]] Result<Offer> look(TrackedFrame tracked, Examination examination);
+  /// One revision, published, brought to the disk and told.
+  [[nodiscard]] Status accept(const Offer& offer, const std::vector<Offered>& accepted, const std::string& author);
+  /// The same, with a second revision of what stands behind, if the rule accepts that.
+  [[nodiscard]] Status accept_by_rule(const Offer& offer, const std::vector<Offered>& accepted);
+  /// Commits and publishes what is accepted, which is not nothing. The offer must outlive what it gives.
+  [[nodiscard]] Result<Change> change(const Offer& offer, const std::vector<Offered>& accepted,
+                                      const std::string& author);
   /// What stands where a surface was just removed: a box that moved back is there in the same snapshot.
-  [[nodiscard]] Result<std::optional<Change>> change_behind(const TrackedFrame& tracked,
-                                                            const Examination& examination);
-  void tell_revision(const TrackedFrame& tracked, const Change& change, double sync_ms) const;
+  [[nodiscard]] Result<std::optional<Change>> change_behind(const Offer& offer, const std::string& author,
+                                                            std::optional<Offer>& behind);
+  [[nodiscard]] Status conclude(const std::vector<Change>& changes);
+  // station_operator.cpp
+  /// A frame with confirmed regions that may change the model: accepts by the rule, or shows what it proposes.
+  [[nodiscard]] Status consider(const TrackedFrame& tracked, Examination examination);
+  [[nodiscard]] std::vector<Offered> chosen_by_rule(const Offer& offer) const;
+  /// False when the same regions were looked at a moment ago, and nothing became of it.
+  [[nodiscard]] bool is_worth_a_look(const RegionMap& regions, double timestamp_s) const;
+  void tell_proposals(const Offer& offer) const;
+  /// The frame that was offered last, against the present model.
+  [[nodiscard]] Status offer_again();
+  /// Commands that have come. One that cannot be done is told, and no error.
+  [[nodiscard]] Status obey_all();
+  [[nodiscard]] Result<Refusal> obey(OperatorCommand command);
+  [[nodiscard]] Result<Refusal> accept_as_told(const OperatorCommand& command);
+  [[nodiscard]] Result<Refusal> reject_as_told(OperatorCommand command);
+  [[nodiscard]] Result<Refusal> go_back_or_forth(bool back);
+  void tell_revision(const Change& change, double sync_ms) const;
   [[nodiscard]] Status publish(const std::shared_ptr<const Model>& model, std::int64_t accepted_ns);
   /// What cannot be sent now (a reader does not keep up) is sent again with the next frame, or while serving.
   void publish_or_retry(std::int64_t accepted_ns);
@@ -83,7 +111,7 @@ class Station {
                                       const std::string& title);
   void write_pictures(const char* when, Revision revision, const TrackedFrame& tracked, const Examination& examination,
                       const ColorImage* color);
-  void serve();
+  [[nodiscard]] Status serve();
   void tell(nlohmann::json event) const;
 
  public:

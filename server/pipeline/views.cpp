@@ -64,9 +64,9 @@ OverlayOptions Views::options_of(const Examination& examination, const std::stri
 }
 
 Result<ColorImage> Views::on_color(const TrackedFrame& tracked, const Examination& examination,
-                                   const std::string& title) {
+                                   const std::string& title, const RegionMap* regions) {
   return color_.draw(examination.comparison, tracked.frame.depth, tracked.frame.color, rig_at(tracked),
-                     &examination.regions, options_of(examination, title));
+                     regions != nullptr ? regions : &examination.regions, options_of(examination, title));
 }
 
 ColorImage Views::on_depth(const TrackedFrame& tracked, const Examination& examination,

@@ -31,8 +31,9 @@ class Views {
   /// Which views are written.
   [[nodiscard]] bool wants_color() const { return arguments_.views == "color" || arguments_.views == "both"; }
   [[nodiscard]] bool wants_depth() const { return arguments_.views == "depth" || arguments_.views == "both"; }
+  /// `regions`: to be framed in place of the examination's.
   [[nodiscard]] Result<ColorImage> on_color(const TrackedFrame& tracked, const Examination& examination,
-                                            const std::string& title);
+                                            const std::string& title, const RegionMap* regions = nullptr);
   [[nodiscard]] ColorImage on_depth(const TrackedFrame& tracked, const Examination& examination,
                                     const std::string& title) const;
 

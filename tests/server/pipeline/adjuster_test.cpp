@@ -32,13 +32,18 @@ TEST_F(AcceptChanges, TheJournalSaysWhoAndWhatItWasMeasuredWith) {
   registration.T_camera_world = exp(Twist::Constant(1e-3)) * pose.T_camera_world;
   const Evidence evidence{"anna", snapshot_info(look_.tracked, registration, rig_text(room_.rig())),
                           ColorImage{4, 3, {1, 2, 3}}};
-  const auto acceptance = accept_changes(*store_, look_.changes.proposals, evidence);
+  const auto offered = remember_proposals(*store_, look_.changes.proposals).value();
+  const auto acceptance = accept_changes(*store_, offered, evidence);
   ASSERT_TRUE(acceptance) << acceptance.error().message;
   const auto info = store_->log().value().back();
   EXPECT_EQ(info.revision, 2u);
   EXPECT_EQ(info.author, "anna");
   EXPECT_EQ(info.accepted_ns, acceptance->info.accepted_ns);
-  EXPECT_THAT(info.summary, testing::StartsWith("region "));
+  EXPECT_THAT(info.summary, testing::StartsWith("proposal 1: "));
+  ASSERT_EQ(info.proposals.size(), offered.size());
+  EXPECT_EQ(info.proposals[0].id, 1U);
+  EXPECT_EQ(info.proposals[0].content.effect, offered[0].proposal.effect);
+  EXPECT_EQ(store_->proposals().value()[0].state, ProposalState::accepted);
   EXPECT_EQ(info.pictures.size(), 1u);
   ASSERT_TRUE(info.snapshot);
   EXPECT_EQ(info.snapshot->depth_pose.T_camera_world.matrix(), pose.T_camera_world.matrix());

@@ -134,7 +134,9 @@ class Sequence {
     ASSERT_TRUE(merged) << merged.error().message;
     const auto before = static_cast<std::int64_t>(store_->model()->triangle_count());
     const Evidence evidence{"anna", snapshot_info(tracked, changes.registration, rig_text(room_.rig())), {}};
-    const auto acceptance = accept_changes(*store_, accepted, evidence);
+    const auto offered = remember_proposals(*store_, accepted);
+    ASSERT_TRUE(offered) << offered.error().message;
+    const auto acceptance = accept_changes(*store_, *offered, evidence);
     ASSERT_TRUE(acceptance) << acceptance.error().message;
     history_.accept(merged->edits);
     count(accepted);

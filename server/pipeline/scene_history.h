@@ -1,0 +1,17 @@
+#pragma once
+// What a scene remembers: `scene log` and `scene proposals`.
+#include <optional>
+#include <string>
+
+#include "server/store/scene_store.h"
+
+namespace meshloop {
+
+/// The journal on stdout; with a folder the snapshots' pictures are written there, as they are stored:
+/// "revision_0002_1.png". Nothing else in the folder is touched.
+[[nodiscard]] Status print_log(const SceneStore& store, bool json, const std::string& pictures_folder);
+
+/// All proposals, or those of one state, on stdout.
+[[nodiscard]] Status print_proposals(const SceneStore& store, bool json, std::optional<ProposalState> state);
+
+}  // namespace meshloop
