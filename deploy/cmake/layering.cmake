@@ -9,6 +9,7 @@ set(MESHLOOP_VENDOR_ROOMS
   "^(spng|turbojpeg|tiffio)|^common/image/"
   "^meshoptimizer|^(common/detail|server/adjust)/"
   "^(polyclipping/|clipper[.]hpp)|^server/adjust/"
+  "^(ceres|glog)/|^server/adjust/"
   "^assimp/|^common/interchange/"
   "^expat|^common/interchange/"
   "[.]hxx$|^common/interchange/step_reader[.]cpp$"

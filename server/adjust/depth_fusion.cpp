@@ -56,10 +56,15 @@ class Lookup {
 /// What another view says of a point that the first one measured.
 enum class Says { nothing, same, seen_through };
 
+/// A measured depth along the first view's ray, and one divided by its variance.
+struct Weighed {
+  float z = 0;
+  float weight = 0;
+};
+
 struct Answer {
   Says says = Says::nothing;
-  /// Depth of that surface along the first view's ray.
-  float z = 0;
+  Weighed depth{};
 };
 
 class OtherView {
@@ -88,9 +93,10 @@ class OtherView {
     if (!is_depth(measured)) return {};
     const float difference = measured - p.z();
     if (difference < -tolerance_m) return {};
-    if (difference > tolerance_m) return {Says::seen_through, 0};
+    if (difference > tolerance_m) return {Says::seen_through, {}};
     // Along the first view's ray depth grows in this view by R(2, :) * ray a metre.
-    return {Says::same, z + difference / R_.row(2).dot(ray)};
+    const float growth = R_.row(2).dot(ray);
+    return {Says::same, {z + difference / growth, growth * growth / (sigma_m * sigma_m)}};
   }
 
  private:
@@ -107,27 +113,30 @@ struct Mean {
   std::uint8_t count = 0;
 };
 
-/// Of those within three sigma of the median.
-Mean mean_of(std::span<float> depths, float sigma_m) {
-  std::sort(depths.begin(), depths.end());
-  const float median = depths[depths.size() / 2];
+/// The most likely depth, of those within three sigma of the median.
+Mean mean_of(std::span<Weighed> depths, float sigma_m) {
+  const auto is_nearer = [](const Weighed& a, const Weighed& b) { return a.z < b.z; };
+  std::sort(depths.begin(), depths.end(), is_nearer);
+  const float median = depths[depths.size() / 2].z;
   float sum = 0;
+  float weights = 0;
   std::uint8_t count = 0;
-  for (const float z : depths) {
+  for (const auto& [z, weight] : depths) {
     if (std::abs(z - median) > kSame_sigmas * sigma_m) continue;
-    sum += z;
+    sum += weight * (z - median);
+    weights += weight;
     ++count;
   }
-  return {sum / static_cast<float>(count), count};
+  return {median + sum / weights, count};
 }
 
 Mean fuse_pixel(const std::vector<OtherView>& others, const Eigen::Vector3f& ray, float z, float sigma_m) {
-  std::array<float, kMostFusedViews> depths{z};
+  std::array<Weighed, kMostFusedViews> depths{{{z, 1 / (sigma_m * sigma_m)}}};
   std::size_t count = 1;
   std::size_t seen_through = 0;
   for (const auto& other : others) {
     const Answer answer = other.ask(ray, z);
-    if (answer.says == Says::same) depths[count++] = answer.z;
+    if (answer.says == Says::same) depths[count++] = answer.depth;
     if (answer.says == Says::seen_through) ++seen_through;
   }
   if (seen_through > count) return {};

@@ -16,6 +16,8 @@ namespace meshloop {
 struct DepthView {
   const DepthImage* depth = nullptr;
   Pose T_camera_world = Pose::Identity();
+  /// As in TrackedPose; a fusion takes the pose as it is.
+  PoseCovariance covariance = PoseCovariance::Zero();
 };
 
 struct FusedDepth {
@@ -31,8 +33,9 @@ struct FusedDepth {
 inline constexpr std::size_t kMostFusedViews = 16;
 
 /// Fuses the depth of up to kMostFusedViews views of one camera in the first one's pixels. The surface that the first
-/// view measured is looked up in each other view; what lies there within 3 sigma of the median is averaged, so that
-/// nothing is averaged across two surfaces. Views that look at a surface from more than 25 degrees aside have no say
+/// view measured is looked up in each other view; of what lies there within 3 sigma of the median the most likely depth
+/// is taken, the mean with weights of one divided by each view's variance at its own range, so that nothing is averaged
+/// across two surfaces. Views that look at a surface from more than 25 degrees aside have no say
 /// there, nor have those in which something stands before it. A view that does not measure more of the new surface
 /// (`mask` 2) than it sees through, made before that came or looking elsewhere, has no say at all. Pixels of `mask`
 /// that are 0 keep what the first view measured; an empty mask is one of ones. There must be a view; each depth image,
