@@ -8,9 +8,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <numbers>
 #include <vector>
+
+#include "server/adjust/expected_planes.h"
 
 namespace meshloop {
 namespace {
@@ -25,71 +26,19 @@ constexpr int kRounds = 8;
 constexpr double kSettled = 2e-5;
 /// A direction is held when the mean square of the planes' normals along it is more than this.
 constexpr double kHeld = 0.0005;
-/// A bend of the model between neighbouring pixels that is less than this is none.
-constexpr double kBend_sigmas = 0.2;
 /// Errors of neighbouring points are alike: so many count as one.
 constexpr double kCorrelated = 10;
 constexpr double kLargest_sigmas = 5;
 constexpr double kLeastShare = 0.2;
 /// The points must come nearer by this share.
 constexpr double kBetter = 0.01;
+/// A point that the correction shifts by less says nothing of it.
+constexpr double kShifted_sigmas = 2;
+/// What no covariance knows: how exact the model and the calibration are, as one sigma of the pose in each direction.
+constexpr double kUnknown_m = 0.002;
+constexpr double kUnknown_rad = 0.002;
 
-using Plane = Eigen::Hyperplane<double, 3>;
-
-/// The model as the snapshot's pose expects it, in that camera's frame: a plane for each pixel, made when it is asked
-/// for.
-class ExpectedPlanes {
- public:
-  explicit ExpectedPlanes(const Snapshot& snapshot)
-      : comparison_{*snapshot.comparison},
-        camera_{snapshot.rig->depth},
-        sensor_{snapshot.rig->sensor},
-        planes_(snapshot.comparison->expected.size()),
-        states_(planes_.size(), State::unknown) {}
-
-  /// At the pixel that shows the point; null where the picture shows no plane.
-  [[nodiscard]] const Plane* at(const Eigen::Vector3d& p) {
-    if (!(p.z() > 0.01)) return nullptr;
-    const Eigen::Vector2d pixel = camera_.project(p);
-    if (!camera_.contains(pixel, 1)) return nullptr;
-    const int x = static_cast<int>(pixel.x() + 0.5);
-    const int y = static_cast<int>(pixel.y() + 0.5);
-    const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) + static_cast<std::size_t>(x);
-    if (states_[i] == State::unknown) states_[i] = make(x, y, planes_[i]) ? State::plane : State::none;
-    return states_[i] == State::plane ? &planes_[i] : nullptr;
-  }
-
- private:
-  enum class State : std::uint8_t { unknown, none, plane };
-
-  [[nodiscard]] bool make(int x, int y, Plane& plane) const {
-    if (!is_straight(x, y, 1, 0) || !is_straight(x, y, 0, 1)) return false;
-    const Eigen::Vector3d across = point(x + 1, y) - point(x - 1, y);
-    const Eigen::Vector3d down = point(x, y + 1) - point(x, y - 1);
-    plane = Plane{across.cross(down).normalized(), point(x, y)};
-    return true;
-  }
-  [[nodiscard]] Eigen::Vector3d point(int x, int y) const {
-    return camera_.back_project(x, y, static_cast<double>(comparison_.expected(x, y)));
-  }
-  /// No bend that the sensor could tell: on a plane one divided by the depth is linear in the picture.
-  [[nodiscard]] bool is_straight(int x, int y, int dx, int dy) const {
-    const auto node = comparison_.node_index(x, y);
-    if (node == 0 || comparison_.node_index(x - dx, y - dy) != node || comparison_.node_index(x + dx, y + dy) != node) {
-      return false;
-    }
-    const double z = comparison_.expected(x, y);
-    const double straight_z = 2 / (1 / static_cast<double>(comparison_.expected(x - dx, y - dy)) +
-                                   1 / static_cast<double>(comparison_.expected(x + dx, y + dy)));
-    return std::abs(z - straight_z) < kBend_sigmas * sensor_.sigma_z_m(z, 0);
-  }
-
-  const Comparison& comparison_;
-  const Camera& camera_;
-  const SensorModel& sensor_;
-  std::vector<Plane> planes_;
-  std::vector<State> states_;
-};
+using adjust::ExpectedPlanes;
 
 struct Measured {
   Eigen::Vector3d point;
@@ -124,7 +73,7 @@ Fit fit(ExpectedPlanes& planes, const std::vector<Measured>& points, const Pose&
   Fit result;
   for (const auto& [p, sigma_m] : points) {
     const Eigen::Vector3d moved = move * p;
-    const Plane* plane = planes.at(moved);
+    const auto* plane = planes.at(moved);
     if (plane == nullptr) continue;
     ++result.looked_at;
     const double cut = std::max(kCut_sigmas * sigma_m, cut_m);
@@ -149,13 +98,18 @@ struct Step {
   int held = 0;
 };
 
-/// What the pose itself says of `move`, and how the points pull it; these only in directions that they hold. Rotations
-/// count by the way of a point at `depth_m`.
+/// Rotations count by the way of a point at `depth_m`.
+Twist scale_at(double depth_m) {
+  Twist scale;
+  scale << 1, 1, 1, 1 / depth_m, 1 / depth_m, 1 / depth_m;
+  return scale;
+}
+
+/// What the pose itself says of `move`, and how the points pull it; these only in directions that they hold.
 Step solve(const Fit& fit, const Pose& move, const PoseCovariance& prior, double depth_m) {
   Step step;
   if (!(fit.weight > 0)) return step;
-  Twist scale;
-  scale << 1, 1, 1, 1 / depth_m, 1 / depth_m, 1 / depth_m;
+  const Twist scale = scale_at(depth_m);
   const Eigen::Matrix<double, 6, 6> scaled = scale.asDiagonal() * fit.information * scale.asDiagonal() / fit.weight;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver{scaled};
   Eigen::Matrix<double, 6, 6> information = prior;
@@ -172,6 +126,53 @@ Step solve(const Fit& fit, const Pose& move, const PoseCovariance& prior, double
   }
   step.twist = information.ldlt().solve(pull);
   return step;
+}
+
+/// How far the place that the points alone ask for lies from the pose, in sigma of both together, in the directions
+/// that the points hold. `correction`: where both are in equilibrium; `prior`: the inverse of the pose's covariance.
+double disagreement_sigmas(const Fit& fit, const Twist& correction, const PoseCovariance& covariance,
+                           const PoseCovariance& prior, double depth_m) {
+  if (!(fit.weight > 0)) return 0;
+  const Twist scale = scale_at(depth_m);
+  const Eigen::SelfAdjointEigenSolver<PoseCovariance> solver{scale.asDiagonal() * fit.information * scale.asDiagonal() /
+                                                             fit.weight};
+  const double weight = fit.weight / kCorrelated;
+  const Twist pull = scale.asDiagonal() * (prior * correction);
+  const PoseCovariance of_pose = scale.cwiseInverse().asDiagonal() * covariance * scale.cwiseInverse().asDiagonal();
+  // In the basis of the directions; those that are not held have no say.
+  PoseCovariance both = solver.eigenvectors().transpose() * of_pose * solver.eigenvectors();
+  Twist away = solver.eigenvectors().transpose() * correction.cwiseQuotient(scale);
+  for (int i = 0; i < 6; ++i) {
+    if (solver.eigenvalues()[i] <= kHeld) {
+      both.row(i).setZero();
+      both.col(i).setZero();
+      both(i, i) = 1;
+      away[i] = 0;
+      continue;
+    }
+    const double variance = 1 / (weight * solver.eigenvalues()[i]);
+    both(i, i) += variance;
+    away[i] += variance * solver.eigenvectors().col(i).dot(pull);
+  }
+  return std::sqrt(away.dot(both.ldlt().solve(away)));
+}
+
+/// Of the points that the move shifts visibly across the model's planes, those that come nearer to them.
+double share_nearer(ExpectedPlanes& planes, const std::vector<Measured>& points, const Pose& move) {
+  int shifted = 0;
+  int nearer = 0;
+  for (const auto& [p, sigma_m] : points) {
+    const Eigen::Vector3d moved = move * p;
+    const auto* before = planes.at(p);
+    const auto* after = planes.at(moved);
+    if (before == nullptr || after == nullptr) continue;
+    const double before_m = before->signedDistance(p);
+    const double after_m = after->signedDistance(moved);
+    if (std::abs(after_m - before_m) < kShifted_sigmas * sigma_m) continue;
+    ++shifted;
+    nearer += std::abs(after_m) < std::abs(before_m) ? 1 : 0;
+  }
+  return shifted > 0 ? static_cast<double>(nearer) / shifted : 0;
 }
 
 double root_mean_square(const Fit& fit) {
@@ -200,33 +201,61 @@ std::optional<std::string> reason_to_refuse(const Fit& before, const Fit& after,
   return std::nullopt;
 }
 
+/// Where points and pose together are in equilibrium.
+struct Settled {
+  Pose move = Pose::Identity();
+  int held = 0;
+};
+Settled settle(ExpectedPlanes& planes, const std::vector<Measured>& points, const PoseCovariance& prior,
+               double depth_m) {
+  Settled settled;
+  for (const double cut_m : kCuts_m) {
+    for (int round = 0; round < kRounds; ++round) {
+      const Step step = solve(fit(planes, points, settled.move, cut_m), settled.move, prior, depth_m);
+      settled.move = exp(step.twist) * settled.move;
+      settled.held = step.held;
+      if (step.twist.norm() < kSettled) break;
+    }
+  }
+  return settled;
+}
+
+/// The model's own answer, whatever the pose says of its certainty: what no covariance knows is added to it.
+void look_for_disagreement(ExpectedPlanes& planes, const std::vector<Measured>& points,
+                           const PoseCovariance& covariance, double depth_m, Registration& result) {
+  PoseCovariance wide = covariance;
+  wide.diagonal().head<3>().array() += kUnknown_m * kUnknown_m;
+  wide.diagonal().tail<3>().array() += kUnknown_rad * kUnknown_rad;
+  const PoseCovariance prior = wide.inverse();
+  const Pose move = settle(planes, points, prior, depth_m).move;
+  const Fit there = fit(planes, points, move, 0);
+  result.found = log(move);
+  result.disagreement_sigmas = disagreement_sigmas(there, result.found, wide, prior, depth_m);
+  result.share_agreeing = there.looked_at > 0 ? static_cast<double>(there.agreeing) / there.looked_at : 0;
+  result.share_nearer = share_nearer(planes, points, move);
+}
+
 }  // namespace
 
 Registration refine_pose(const Snapshot& snapshot) {
   Registration result;
   result.T_camera_world = snapshot.depth_pose.T_camera_world;
-  ExpectedPlanes planes{snapshot};
+  ExpectedPlanes planes{*snapshot.comparison, snapshot.rig->depth, snapshot.rig->sensor};
   const auto points = measured_points(snapshot);
   if (points.empty()) {
     result.refused = "nothing is measured";
     return result;
   }
+  const double depth_m = median_depth(points);
+  look_for_disagreement(planes, points, snapshot.depth_pose.covariance, depth_m, result);
   const Eigen::LLT<PoseCovariance> covariance{snapshot.depth_pose.covariance};
   if (covariance.info() != Eigen::Success) {
     result.refused = "the pose counts as exact";
     return result;
   }
   const PoseCovariance prior = covariance.solve(PoseCovariance::Identity());
-  const double depth_m = median_depth(points);
-  Pose move = Pose::Identity();
-  for (const double cut_m : kCuts_m) {
-    for (int round = 0; round < kRounds; ++round) {
-      const Step step = solve(fit(planes, points, move, cut_m), move, prior, depth_m);
-      move = exp(step.twist) * move;
-      result.held_directions = step.held;
-      if (step.twist.norm() < kSettled) break;
-    }
-  }
+  const auto [move, held] = settle(planes, points, prior, depth_m);
+  result.held_directions = held;
   const Fit before = fit(planes, points, Pose::Identity(), 0);
   const Fit after = fit(planes, points, move, 0);
   result.before_m = root_mean_square(before);

@@ -20,6 +20,18 @@ struct Registration {
   int looked_at = 0;
   /// Directions in which the scene holds the camera, of six; the pose keeps what it had in the others.
   int held_directions = 0;
+  /// The correction that the model asks for, also of an exact pose, used or not: what neither pose nor model know of
+  /// themselves (2 mm, 2 mrad) is added to the pose's covariance. exp(found) acts on points of the camera; metres,
+  /// radians.
+  Twist found = Twist::Zero();
+  /// How far the place that the points alone ask for lies from the snapshot's pose, in sigma of both together, in the
+  /// directions that are held (the distance of Mahalanobis).
+  double disagreement_sigmas = 0;
+  /// Of the points that were looked at there, those that agree.
+  double share_agreeing = 0;
+  /// Of the points that the correction shifts visibly across the model's planes, the share that comes nearer to them: a
+  /// wrong pose makes it nearly all of them, what moved only its own.
+  double share_nearer = 0;
   /// Why the pose stays as it is; nothing when it was made better.
   std::optional<std::string> refused;
 };

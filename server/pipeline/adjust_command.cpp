@@ -155,14 +155,18 @@ Status accept(AdjustRun& run, AdjustedFrame& result, const TrackedFrame& tracked
   return draw_after(result, tracked, examination, tools);
 }
 
-Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const Tools& tools) {
+/// `against`: why nothing may be proposed from this frame, if that is known before it is looked at.
+Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const std::optional<std::string>& against,
+                    const Tools& tools) {
   AdjustedFrame& result = run.results.emplace_back();
   result.index = tracked.frame.index;
-  if (const auto reason = reason_against(tracked.depth_pose)) {
-    if (!run.decisions.accept.empty()) return fail(*reason);
-    result.reason = *reason;
+  // Nothing is proposed from a view that is not where it says.
+  const auto withhold = [&](const std::string& reason) -> Status {
+    if (!run.decisions.accept.empty()) return fail(reason);
+    result.reason = reason;
     return {};
-  }
+  };
+  if (against) return withhold(*against);
   tools.examiner->model_changed();  // each listed frame stands for itself
   auto examination = tools.examiner->examine(tracked, *tools.store->model());
   if (!examination) return fail(examination.error());
@@ -171,7 +175,10 @@ Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const Tools& to
       propose_changes(tracked, *examination, run.recent.before(tracked, 0), *tools.rig, *tools.store, run.options);
   result.details = {{"frames_fused", changes.frames},
                     {"time_ms", {{"snapshot", watch.milliseconds()}}},
+                    {"edge_rings", rings_json(changes.rings)},
+                    {"joint_poses", joint_json(changes.joint)},
                     {"registration", registration_json(changes.registration, tracked.depth_pose)}};
+  if (changes.withheld) return withhold(*changes.withheld);
   auto offered = identify(run, *tools.store, std::move(changes.proposals));
   if (!offered) return fail(offered.error());
   result.offered = std::move(*offered);
@@ -199,16 +206,27 @@ Status adjust_all(AdjustRun& run, TrackedFrames& frames, const Tools& tools) {
     if (!tracked) return fail(tracked.error());
     if (!*tracked) break;
     read = (*tracked)->frame.index + 1;
-    const bool is_sharp = !reason_to_wait(**tracked, run.previous_pose);
+    const bool is_sharp = !reason_to_wait(**tracked, run.previous_pose, frames.rig());
+    const auto against = reason_against(**tracked, run.previous_pose, frames.rig());
     run.previous_pose = (*tracked)->depth_pose;
     if (is_sharp) run.recent.add(**tracked);
     if (!std::binary_search(run.frames.begin(), run.frames.end(), read - 1)) continue;
-    if (auto done = adjust_frame(run, **tracked, tools); !done) {
+    if (auto done = adjust_frame(run, **tracked, against, tools); !done) {
       if (!run.results.back().revision) run.results.pop_back();
       return fail(fmt::format("frame {}", read - 1), done.error());
     }
   }
   return check_all_rejected(run.decisions);
+}
+
+/// Fails when none of the frames could be used.
+Status check_any_used(const AdjustRun& run) {
+  std::optional<std::string> first;
+  for (const auto& frame : run.results) {
+    if (frame.reason.empty()) return {};
+    if (frame.reason != kPoseIsLost && !first) first = fmt::format("frame {}: {}", frame.index, frame.reason);
+  }
+  return first ? fail("no frame could be used; " + *first) : fail(kEveryFrameIsLost);
 }
 
 Status adjust(const AdjustArguments& arguments) {
@@ -234,8 +252,7 @@ Status adjust(const AdjustArguments& arguments) {
   if (!pictures) return fail(pictures.error());
   if (auto done = reject_known(**store, run->author, run->decisions); !done) return done;
   auto done = adjust_all(*run, *frames, {&frames->rig(), &*examiner, &*views, &*pictures, store->get()});
-  const auto is_lost = [](const AdjustedFrame& frame) { return !frame.reason.empty(); };
-  if (done && std::all_of(run->results.begin(), run->results.end(), is_lost)) done = fail(kEveryFrameIsLost);
+  if (done) done = check_any_used(*run);
   if (auto synced = (*store)->sync(); !synced && done) done = synced;
   if (!run->results.empty()) report(arguments, *run, *(*store)->model(), done);
   return done;

@@ -6,6 +6,7 @@
 
 #include "common/base/clock.h"
 #include "common/image/image_file.h"
+#include "server/adjust/gates.h"
 
 namespace meshloop {
 namespace {
@@ -15,6 +16,27 @@ constexpr double kMaxPositionSigma_m = 0.004;
 constexpr double kMaxSpeed_m_per_s = 0.5;
 constexpr double kMaxTurn_rad_per_s = 0.6;
 
+/// Of the depth camera from the frame before to this one; nothing when that is not known.
+std::optional<Twist> motion_per_s(const TrackedPose& pose, const std::optional<TrackedPose>& previous) {
+  if (!previous || previous->state == TrackState::lost || !(pose.timestamp_s > previous->timestamp_s)) {
+    return std::nullopt;
+  }
+  return log(pose.T_camera_world * previous->T_camera_world.inverse()) / (pose.timestamp_s - previous->timestamp_s);
+}
+
+/// Makes the poses of the snapshot and of the frames before it better together, if that can be.
+JointPoses refine_views(const Snapshot& snapshot, std::vector<DepthView>& views, Registration& registration) {
+  std::vector<PosedDepth> frames;
+  for (const auto& view : views) frames.push_back({view.depth, view.T_camera_world, view.covariance, nullptr});
+  frames.front().comparison = snapshot.comparison;
+  JointPoses joint = refine_poses(frames, snapshot.rig->depth, snapshot.rig->sensor);
+  if (joint.refused) return joint;
+  for (std::size_t i = 0; i < views.size(); ++i) views[i].T_camera_world = joint.T_camera_world[i];
+  registration.T_camera_world = joint.T_camera_world.front();
+  registration.refused = std::nullopt;
+  return joint;
+}
+
 double position_sigma(const TrackedPose& pose) {
   return std::sqrt(pose.covariance.topLeftCorner<3, 3>().trace());
 }
@@ -22,21 +44,28 @@ double position_sigma(const TrackedPose& pose) {
 }  // namespace
 
 std::optional<std::string> reason_against(const TrackedPose& depth_pose) {
-  if (depth_pose.state == TrackState::lost) return "the pose is lost";
+  if (depth_pose.state == TrackState::lost) return kPoseIsLost;
   if (!(position_sigma(depth_pose) < kMaxPositionSigma_m)) {
     return fmt::format("the pose is uncertain by {:.1f} mm", 1000 * position_sigma(depth_pose));
   }
   return std::nullopt;
 }
 
-std::optional<std::string> reason_to_wait(const TrackedFrame& tracked, const std::optional<TrackedPose>& previous) {
+std::optional<std::string> reason_against(const TrackedFrame& tracked, const std::optional<TrackedPose>& previous,
+                                          const Rig& rig) {
   const TrackedPose& pose = tracked.depth_pose;
   if (auto reason = reason_against(pose)) return reason;
-  if (!previous || previous->state == TrackState::lost) return "the camera's motion is not known yet";
-  const double seconds = pose.timestamp_s - previous->timestamp_s;
-  const Twist motion = log(pose.T_camera_world * previous->T_camera_world.inverse());
-  if (seconds <= 0 || motion.head<3>().norm() > kMaxSpeed_m_per_s * seconds ||
-      motion.tail<3>().norm() > kMaxTurn_rad_per_s * seconds) {
+  const CameraMotion motion{motion_per_s(pose, previous),
+                            tracked.frame.depth_timestamp_s - tracked.frame.color_timestamp_s};
+  return reason_against_motion(motion, tracked.frame.depth, rig);
+}
+
+std::optional<std::string> reason_to_wait(const TrackedFrame& tracked, const std::optional<TrackedPose>& previous,
+                                          const Rig& rig) {
+  if (auto reason = reason_against(tracked, previous, rig)) return reason;
+  const auto per_s = motion_per_s(tracked.depth_pose, previous);
+  if (!per_s) return "the camera's motion is not known yet";
+  if (per_s->head<3>().norm() > kMaxSpeed_m_per_s || per_s->tail<3>().norm() > kMaxTurn_rad_per_s) {
     return "the camera moves too fast";
   }
   return std::nullopt;
@@ -56,15 +85,21 @@ ProposedChanges propose_changes(const TrackedFrame& tracked, const Examination& 
                     .regions = &examination.regions};
   ProposedChanges changes;
   changes.registration = refine_pose(snapshot);
-  snapshot.refined_T_camera_world = changes.registration.T_camera_world;
+  changes.withheld = reason_against_registration(changes.registration);
+  changes.rings = find_edge_rings(examination.comparison, tracked.frame.depth, rig.depth, rig.sensor);
+  if (!changes.withheld) changes.withheld = reason_against_rings(changes.rings);
+  if (changes.withheld) return changes;
   FusedDepth fused;
   if (!before.empty()) {
-    std::vector<DepthView> views{{&tracked.frame.depth, tracked.depth_pose.T_camera_world}};
+    std::vector<DepthView> views{
+        {&tracked.frame.depth, tracked.depth_pose.T_camera_world, tracked.depth_pose.covariance}};
     views.insert(views.end(), before.begin(), before.end());
+    changes.joint = refine_views(snapshot, views, changes.registration);
     fused = fuse_depth(views, rig.depth, rig.sensor, fused_pixels(examination.regions));
     snapshot.fused = &fused;
     changes.frames = fused.views;
   }
+  snapshot.refined_T_camera_world = changes.registration.T_camera_world;
   changes.proposals = propose(snapshot, store.next_node_id(), options);
   return changes;
 }

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "server/adjust/edge_rings.h"
+#include "server/adjust/joint_poses.h"
 #include "server/adjust/proposal.h"
 #include "server/adjust/registration.h"
 #include "server/pipeline/examiner.h"
@@ -23,7 +25,13 @@ struct Acceptance {
 /// What one examined frame proposes, and how its pose was made better for new surface.
 struct ProposedChanges {
   std::vector<Proposal> proposals;
+  /// With several frames, the pose that is better for all of them, where there is one.
   Registration registration;
+  EdgeRings rings;
+  /// Of the frame and those before it; none of a single frame.
+  std::optional<JointPoses> joint;
+  /// Why nothing is proposed: the picture or the model speaks against the pose (server/adjust/gates.h).
+  std::optional<std::string> withheld;
   /// Of how many frames new surface is made, if any is.
   std::size_t frames = 1;
 };
@@ -47,12 +55,17 @@ struct Evidence {
 [[nodiscard]] Result<Acceptance> accept_changes(SceneStore& store, const std::vector<Offered>& accepted,
                                                 const Evidence& evidence);
 
+inline constexpr const char* kPoseIsLost = "the pose is lost";
 /// Why nothing may be written to the model with this pose, or nothing when it may: it is lost or uncertain.
 [[nodiscard]] std::optional<std::string> reason_against(const TrackedPose& depth_pose);
 
-/// Why nothing may be written to the model from this frame, or nothing when it may: a lost or uncertain pose, or a
-/// camera that moved too fast since the frame before.
+/// The same for a frame, and when the camera moved while it was exposed; `previous`, the frame before, tells.
+[[nodiscard]] std::optional<std::string> reason_against(const TrackedFrame& tracked,
+                                                        const std::optional<TrackedPose>& previous, const Rig& rig);
+
+/// Why a live station waits for a better frame, or nothing when this one will do: reason_against, or a camera that
+/// moved too fast since the frame before, or of which that is not known.
 [[nodiscard]] std::optional<std::string> reason_to_wait(const TrackedFrame& tracked,
-                                                        const std::optional<TrackedPose>& previous);
+                                                        const std::optional<TrackedPose>& previous, const Rig& rig);
 
 }  // namespace meshloop

@@ -6,7 +6,7 @@ namespace meshloop {
 
 void RecentDepths::add(const TrackedFrame& frame) {
   if (most_ <= 1) return;
-  kept_.push_back({frame.frame.index, frame.frame.depth, frame.depth_pose.T_camera_world});
+  kept_.push_back({frame.frame.index, frame.frame.depth, frame.depth_pose.T_camera_world, frame.depth_pose.covariance});
   // The newest one may be the snapshot's own frame.
   if (kept_.size() > most_) kept_.pop_front();
 }
@@ -15,7 +15,7 @@ std::vector<DepthView> RecentDepths::before(const TrackedFrame& frame, int oldes
   std::vector<DepthView> views;
   for (auto kept = kept_.rbegin(); kept != kept_.rend() && views.size() + 1 < most_; ++kept) {
     if (kept->index >= frame.frame.index || kept->index < oldest_index) continue;
-    views.push_back({&kept->depth, kept->T_camera_world});
+    views.push_back({&kept->depth, kept->T_camera_world, kept->covariance});
   }
   return views;
 }

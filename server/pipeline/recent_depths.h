@@ -23,6 +23,7 @@ class RecentDepths {
     int index;
     DepthImage depth;
     Pose T_camera_world;
+    PoseCovariance covariance;
   };
   std::size_t most_;
   std::deque<Kept> kept_;

@@ -122,7 +122,41 @@ nlohmann::json registration_json(const Registration& registration, const Tracked
           {"distance_m", {{"before", registration.before_m}, {"after", registration.after_m}}},
           {"agreeing_points", registration.points},
           {"points", registration.looked_at},
-          {"held_directions", registration.held_directions}};
+          {"held_directions", registration.held_directions},
+          {"model_asks_for_m", registration.found.head<3>().norm()},
+          {"model_asks_for_degrees", registration.found.tail<3>().norm() * 180 / std::numbers::pi},
+          {"disagreement_sigmas", registration.disagreement_sigmas},
+          {"share_nearer", registration.share_nearer}};
+}
+
+nlohmann::json rings_json(const EdgeRings& rings) {
+  return {{"outlines", rings.outlines},
+          {"at_place", rings.at_place},
+          {"ringed_closer", rings.ringed_closer},
+          {"ringed_farther", rings.ringed_farther},
+          {"motion_m", rings.motion.head<3>().norm()},
+          {"motion_degrees", rings.motion.tail<3>().norm() * 180 / std::numbers::pi},
+          {"shifted", rings.shifted},
+          {"explained", rings.explained},
+          {"contradicted", rings.contradicted},
+          {"things", rings.things},
+          {"largest_thing", rings.largest_thing}};
+}
+
+nlohmann::json joint_json(const std::optional<JointPoses>& joint) {
+  if (!joint) return nullptr;
+  const auto distances_json = [](double before, double after) {
+    return nlohmann::json{{"before", before}, {"after", after}};
+  };
+  const nlohmann::json refused = joint->refused ? nlohmann::json(*joint->refused) : nlohmann::json(nullptr);
+  return {{"refused", refused},
+          {"frames", joint->T_camera_world.size()},
+          {"distance_from_model_m", distances_json(joint->before.model_m, joint->after.model_m)},
+          {"distance_between_frames_m", distances_json(joint->before.frames_m, joint->after.frames_m)},
+          {"pieces_on_model", joint->on_model},
+          {"pieces_between_frames", joint->between_frames},
+          {"held_by_model", joint->held_by_model},
+          {"held_by_frames", joint->held_by_frames}};
 }
 
 nlohmann::json move_json(const Move& move) {

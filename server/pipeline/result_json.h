@@ -1,10 +1,13 @@
 #pragma once
 // How results look as JSON. The keys are a contract: keys are added, never renamed.
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "common/change/region.h"
 #include "common/program/json_output.h"
+#include "server/adjust/edge_rings.h"
+#include "server/adjust/joint_poses.h"
 #include "server/adjust/proposal.h"
 #include "server/adjust/registration.h"
 #include "server/pipeline/examiner.h"
@@ -28,6 +31,10 @@ namespace meshloop {
 [[nodiscard]] nlohmann::json times_json(const Examination& examination);
 /// How a snapshot's pose was made better.
 [[nodiscard]] nlohmann::json registration_json(const Registration& registration, const TrackedPose& pose);
+/// What the outlines of the picture say of the pose.
+[[nodiscard]] nlohmann::json rings_json(const EdgeRings& rings);
+/// How the poses of a snapshot's frames were made better together; null for a single frame.
+[[nodiscard]] nlohmann::json joint_json(const std::optional<JointPoses>& joint);
 /// Node, those that move along, transform in the world (from where it was to where it is), confidence and the regions
 /// that it closes.
 [[nodiscard]] nlohmann::json move_json(const Move& move);

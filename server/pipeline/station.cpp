@@ -17,6 +17,13 @@
 
 namespace meshloop {
 
+namespace {
+
+/// After a frame whose pose was found wrong.
+constexpr int kGoodFramesAfterBad = 5;
+
+}  // namespace
+
 Station::Station(std::unique_ptr<Parts> parts) : parts_{std::move(parts)} {}
 Station::~Station() = default;
 
@@ -55,7 +62,8 @@ Result<std::unique_ptr<Station>> Station::create(const StationOptions& options, 
                                          .commands = CommandLines{options.commands ? STDIN_FILENO : -1},
                                          .offer = std::nullopt,
                                          .offered_regions = {},
-                                         .looked = std::nullopt}};
+                                         .looked = std::nullopt,
+                                         .good_frames_due = 0}};
   std::unique_ptr<Station> station{new Station{std::move(parts)}};
   const auto model = station->parts_->store->model();
   if (auto done = station->publish(model, wall_clock_ns()); !done) return fail(done.error());
@@ -132,25 +140,51 @@ Result<Station::Offer> Station::look(TrackedFrame tracked, Examination examinati
   const int first = first_frame_of(examination.regions, tracked.frame.index);
   auto changes = propose_changes(tracked, examination, parts_->recent.before(tracked, first), parts_->rig,
                                  *parts_->store, parts_->options.adjust);
+  Offer offer{.tracked = std::move(tracked),
+              .examination = std::move(examination),
+              .registration = changes.registration,
+              .rings = changes.rings,
+              .joint = changes.joint,
+              .withheld = why_withheld(changes),
+              .frames = changes.frames,
+              .snapshot_ms = watch.milliseconds(),
+              .proposals = {}};
+  if (offer.withheld) {
+    tell({{"event", "withheld"},
+          {"frame", offer.tracked.frame.index},
+          {"reason", *offer.withheld},
+          {"registration", registration_json(offer.registration, offer.tracked.depth_pose)},
+          {"edge_rings", rings_json(offer.rings)}});
+    return offer;
+  }
   auto proposals = remember_proposals(*parts_->store, std::move(changes.proposals));
   if (!proposals) return fail("remembering proposals", proposals.error());
-  return Offer{.tracked = std::move(tracked),
-               .examination = std::move(examination),
-               .registration = changes.registration,
-               .frames = changes.frames,
-               .snapshot_ms = watch.milliseconds(),
-               .proposals = std::move(*proposals)};
+  offer.proposals = std::move(*proposals);
+  return offer;
+}
+
+std::optional<std::string> Station::why_withheld(const ProposedChanges& changes) {
+  if (changes.withheld) {
+    parts_->good_frames_due = kGoodFramesAfterBad;
+    return changes.withheld;
+  }
+  if (changes.proposals.empty() || parts_->good_frames_due == 0) return std::nullopt;
+  // What made the poses wrong is hardly gone after a frame that does not show it.
+  return fmt::format("the poses were wrong a moment ago: {} more frames must speak for them",
+                     parts_->good_frames_due--);
 }
 
 Result<Station::Change> Station::change(const Offer& offer, const std::vector<Offered>& accepted,
                                         const std::string& author) {
-  const auto& [tracked, examination, registration, frames, snapshot_ms, proposals] = offer;
+  const TrackedFrame& tracked = offer.tracked;
+  const Examination& examination = offer.examination;
   Change change;
   change.offer = &offer;
   const auto title = fmt::format("frame {}, before revision {}, {}", tracked.frame.index,
                                  parts_->store->model()->revision + 1, smallest_change_text(examination));
   change.picture = draw_color(tracked, examination, title);
-  const Evidence evidence{author, snapshot_info(tracked, registration, parts_->options.calibration), change.picture};
+  const Evidence evidence{author, snapshot_info(tracked, offer.registration, parts_->options.calibration),
+                          change.picture};
   auto acceptance = accept_changes(*parts_->store, accepted, evidence);
   if (!acceptance) return fail("accepting", acceptance.error());
   publish_or_retry(acceptance->info.accepted_ns);
@@ -241,6 +275,8 @@ void Station::tell_revision(const Change& change, double sync_ms) const {
         {"summary", info.summary},
         {"proposals", ids},
         {"registration", registration_json(offer.registration, offer.tracked.depth_pose)},
+        {"edge_rings", rings_json(offer.rings)},
+        {"joint_poses", joint_json(offer.joint)},
         {"frames_fused", offer.frames},
         {"moves", moves},
         {"time_ms",
@@ -252,7 +288,7 @@ void Station::tell_revision(const Change& change, double sync_ms) const {
 
 void Station::begin(TrackedFrame tracked) {
   if (parts_->unpublished_ns) publish_or_retry(*parts_->unpublished_ns);
-  auto wait = reason_to_wait(tracked, parts_->previous_pose);
+  auto wait = reason_to_wait(tracked, parts_->previous_pose, parts_->rig);
   parts_->previous_pose = tracked.depth_pose;
   if (!wait) parts_->recent.add(tracked);
   nlohmann::json event{{"event", "frame"},

@@ -73,8 +73,10 @@ class Station {
     const Offer* offer = nullptr;
     ColorImage picture;
   };
-  /// What a frame proposes, remembered.
+  /// What a frame proposes, remembered; or why it may propose nothing, which is told.
   [[nodiscard]] Result<Offer> look(TrackedFrame tracked, Examination examination);
+  /// Counts the frames that must pass the gates before the model is changed again.
+  [[nodiscard]] std::optional<std::string> why_withheld(const ProposedChanges& changes);
   /// One revision, published, brought to the disk and told.
   [[nodiscard]] Status accept(const Offer& offer, const std::vector<Offered>& accepted, const std::string& author);
   /// The same, with a second revision of what stands behind, if the rule accepts that.

@@ -25,6 +25,10 @@ struct Station::Offer {
   TrackedFrame tracked;
   Examination examination;
   Registration registration;
+  EdgeRings rings;
+  std::optional<JointPoses> joint;
+  /// Why there are no proposals: a gate, or one that fired a moment ago.
+  std::optional<std::string> withheld;
   std::size_t frames = 1;
   double snapshot_ms = 0;
   std::vector<Offered> proposals;
@@ -59,6 +63,8 @@ struct Station::Parts {
   /// The regions of the offer's frame as they were before any of it was accepted.
   RegionMap offered_regions;
   std::optional<Looked> looked;
+  /// Frames that must pass the gates before the model is changed again.
+  int good_frames_due = 0;
 };
 
 }  // namespace meshloop

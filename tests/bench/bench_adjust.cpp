@@ -7,6 +7,8 @@
 #include <memory>
 #include <random>
 
+#include "server/adjust/edge_rings.h"
+#include "server/adjust/joint_poses.h"
 #include "server/adjust/moved_things.h"
 #include "server/adjust/proposal.h"
 #include "server/adjust/registration.h"
@@ -124,6 +126,45 @@ void refine_pose_of_a_frame(benchmark::State& state) {
   state.counters["left_mm"] = 1000 * found.after_m;
 }
 BENCHMARK(refine_pose_of_a_frame)->Unit(benchmark::kMillisecond);
+
+/// Eight frames of a Kinect, of a wavy wall that the model has on its left half alone, each with a pose of its own.
+void refine_poses_of_eight_frames(benchmark::State& state) {
+  NewWall wall{640, 480};
+  wall.comparison.expected = wall.frame.depth;
+  for (int y = 0; y < 480; ++y) {
+    for (int x = 0; x < 320; ++x) wall.comparison.node_index(x, y) = 1;
+  }
+  std::mt19937 random{1};
+  std::normal_distribution<float> noise;
+  std::vector<DepthImage> depths(8, wall.frame.depth);
+  std::vector<PosedDepth> frames;
+  for (auto& depth : depths) {
+    for (float& z : depth.pixels()) z += noise(random) * static_cast<float>(wall.rig.sensor.sigma_z_m(2, 0));
+    Twist error;
+    for (double& value : error) value = 0.003 * static_cast<double>(noise(random));
+    frames.push_back({&depth, exp(error), 1e-5 * PoseCovariance::Identity(), nullptr});
+  }
+  frames.front().comparison = &wall.comparison;
+  JointPoses found;
+  for (auto _ : state) found = refine_poses(frames, wall.rig.depth, wall.rig.sensor);
+  state.counters["pairs"] = found.between_frames;
+  state.counters["before_mm"] = 1000 * found.before.frames_m;
+  state.counters["after_mm"] = 1000 * found.after.frames_m;
+  state.SetLabel(found.refused.value_or(""));
+}
+BENCHMARK(refine_poses_of_eight_frames)->Unit(benchmark::kMillisecond);
+
+/// Things on a table, as they are.
+void look_for_edge_rings(benchmark::State& state) {
+  const auto scene = moved_things::table(false);
+  const auto world = moved_things::look(scene, scene, {moved_things::camera_at(1.1, 20, 35), 1, 1});
+  int outlines = 0;
+  for (auto _ : state) {
+    outlines = find_edge_rings(world->comparison, world->frame.depth, world->rig.depth, world->rig.sensor).outlines;
+  }
+  state.counters["outlines"] = outlines;
+}
+BENCHMARK(look_for_edge_rings)->Unit(benchmark::kMillisecond);
 
 void propose_whole_frame(benchmark::State& state) {
   const NewWall wall{640, 480};

@@ -189,6 +189,18 @@ refused("detect without a marker that is known", 1, *detect("--markers", other),
 refused("adjust without a marker that is known", 1, STATION, "adjust", "--scene", path / "small.db", "--recording", station,
         "--frames", "0", "--markers", other, says="every frame is lost")
 
+print("-- poses that are not where they say")
+poses = [line.split() for line in (station / "groundtruth.txt").read_text().splitlines() if line[0] != "#"]
+shifted = write("shifted.txt", "".join(" ".join([time, str(float(x) + 0.02), *more]) + "\n" for time, x, *more in poses))
+programs.run(STATION, "scene", "import", "--scene", path / "shifted.db", model, timeout=200)
+adjust = (STATION, "adjust", "--scene", path / "shifted.db", "--recording", station, "--frames", "0")
+for what, accept in (("all", ("--accept", "all")), ("an id", ("--accept", "1")), ("nothing", ())):
+    refused(f"adjust with {what} accepted", 1, *adjust, "--poses", shifted, *accept, says="check the markers' file or the trajectory")
+log = programs.run(STATION, "scene", "log", "--scene", path / "shifted.db", "--json")
+programs.check(len(json.loads(log.stdout)["revisions"]) == 1, "nothing was committed: " + log.stdout[:200])
+right = programs.run(*adjust, "--accept", "all", timeout=200)
+programs.check("revision 2" in right.stdout, f"with the right poses it is: {right.stdout}{right.stderr}")
+
 print("-- scene files")
 scene = path / "scene.db"
 imported = programs.run(STATION, "scene", "import", "--scene", scene, model, timeout=200)

@@ -1,5 +1,6 @@
 """Runs deploy/demo.sh and reads its report.json."""
 import json
+import re
 
 import programs
 
@@ -62,3 +63,27 @@ def check_tracking(report):
     error = track["mean_error_m"]
     programs.check(error["before"] >= 2 * error["after"],
                    f"mean error {error['before'] * 1000:.2f} mm before the loop, {error['after'] * 1000:.2f} after: clearly worse")
+
+
+def check_misplaced_markers(out):
+    """The markers' file is 2 cm off: nothing is committed, and the reason is told."""
+    data, scene = out / "data", out / "misplaced.db"
+    for x, y, z in ((0.02, 0, 0), (0, 0.02, 0), (0, 0, 0.02)):
+        def shift(corner):
+            return f"- [{float(corner[1]) + x}, {float(corner[2]) + y}, {float(corner[3]) + z}]"
+        markers = out / "misplaced.yaml"
+        markers.write_text(re.sub(r"- \[(\S+), (\S+), (\S+)\]", shift, (data / "markers.yaml").read_text()))
+        scene.unlink(missing_ok=True)
+        programs.run(programs.STATION, "scene", "import", "--scene", scene, data / "model.ply")
+        source = ("--scene", scene, "--markers", markers, "--accept", "all", "--json")
+        live = programs.run(programs.STATION, "run", *source, "--source", f"recording:{data / 'station'}", "--fast", "--serve", 0,
+                            timeout=300)
+        events = [json.loads(line) for line in live.stdout.splitlines()]
+        reasons = [event["reason"] for event in events if event["event"] == "withheld"]
+        revisions = [event["frame"] for event in events if event["event"] == "revision"]
+        programs.check(live.returncode == 0 and reasons and not revisions,
+                       f"markers off by {x}, {y}, {z} m: {len(reasons)} frames are withheld, revisions from frames {revisions}: {reasons[:1]}")
+        batch = programs.run(programs.STATION, "adjust", *source, "--recording", data / "station", "--frames", "2")
+        programs.check(batch.returncode == 1 and "no frame could be used" in batch.stderr, f"adjust changes nothing: {batch.stderr}")
+        info = json.loads(programs.run(programs.STATION, "scene", "log", "--scene", scene, "--json").stdout)
+        programs.check(len(info["revisions"]) == 1, "the scene is as it was imported")
