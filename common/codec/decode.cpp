@@ -9,6 +9,8 @@
 
 #include "common/codec/color_transform.h"
 #include "common/codec/draco_header.h"
+#include "common/codec/texture_frame.h"
+#include "common/image/jpeg_codec.h"
 #include "common/mesh/lattice.h"
 
 namespace meshloop {
@@ -77,9 +79,6 @@ Result<Submesh> to_submesh(const draco::Mesh& mesh) {
 }
 
 Status check_claims(std::span<const std::byte> bytes, const DecodeLimits& limits) {
-  if (bytes.size() > limits.max_bytes) {
-    return fail(fmt::format("the payload has {} bytes; at most {} are accepted", bytes.size(), limits.max_bytes));
-  }
   const auto counts = read_draco_counts(bytes);
   if (!counts) return fail(counts.error());
   if (counts->vertices > limits.max_vertices || counts->faces > limits.max_triangles) {
@@ -108,15 +107,36 @@ Result<Submesh> decode_checked(std::span<const std::byte> bytes) {
   return submesh;
 }
 
-}  // namespace
-
-Result<Submesh> decode(std::span<const std::byte> bytes, const DecodeLimits& limits) {
+Result<Submesh> decode_mesh(std::span<const std::byte> bytes, const DecodeLimits& limits) {
   if (auto ok = check_claims(bytes, limits); !ok) return fail(ok.error());
   try {
     return decode_checked(bytes);
   } catch (const std::exception& error) {
     return fail(fmt::format("the Draco payload is damaged ({})", error.what()));
   }
+}
+
+/// The picture is decoded to see that it can be; who draws it does so again.
+Result<Submesh> decode_with_texture(std::span<const std::byte> bytes, const DecodeLimits& limits) {
+  const auto frame = split_texture_frame(bytes);
+  if (!frame) return fail(frame.error());
+  auto texture = make_projected_texture({frame->jpeg.begin(), frame->jpeg.end()}, frame->projection);
+  if (!texture) return fail("the payload", texture.error());
+  if (const auto picture = decode_jpeg(frame->jpeg); !picture) return fail("the payload's texture", picture.error());
+  auto submesh = decode_mesh(frame->mesh, limits);
+  if (!submesh) return submesh;
+  submesh->texture = std::move(*texture);
+  if (auto ok = validate(*submesh); !ok) return fail("the payload", ok.error());
+  return submesh;
+}
+
+}  // namespace
+
+Result<Submesh> decode(std::span<const std::byte> bytes, const DecodeLimits& limits) {
+  if (bytes.size() > limits.max_bytes) {
+    return fail(fmt::format("the payload has {} bytes; at most {} are accepted", bytes.size(), limits.max_bytes));
+  }
+  return is_texture_frame(bytes) ? decode_with_texture(bytes, limits) : decode_mesh(bytes, limits);
 }
 
 }  // namespace meshloop

@@ -11,6 +11,7 @@
 
 #include "common/codec/color_transform.h"
 #include "common/codec/draco_header.h"
+#include "common/codec/texture_frame.h"
 #include "common/mesh/lattice.h"
 
 namespace meshloop {
@@ -154,7 +155,9 @@ Result<std::vector<std::byte>> encode(const Submesh& submesh, const EncodeOption
     return fail("the submesh has positions off the scene's lattice; move them there with snap_to_lattice");
   }
   try {
-    return encode_valid(submesh, std::clamp(options.speed, 0, 10));
+    auto mesh = encode_valid(submesh, std::clamp(options.speed, 0, 10));
+    if (!mesh || !submesh.texture) return mesh;
+    return join_texture_frame(*mesh, *submesh.texture);
   } catch (const std::exception& error) {
     return fail(fmt::format("Draco could not encode the submesh: {}", error.what()));
   }

@@ -1,5 +1,5 @@
 #pragma once
-// Submesh <-> Draco bytes (Edgebreaker). The only user of Draco.
+// Submesh <-> Draco bytes (Edgebreaker), with the texture's JPEG beside them. The only user of Draco.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -17,7 +17,8 @@ struct EncodeOptions {
 
 /// Positions must lie on the scene's lattice (see mesh/lattice.h) and span less than 2048 m. They, the colours and the
 /// triangles (with their winding) come back exactly, in another order; vertices that no triangle uses do not. Vertices
-/// may come back twice where triangles meet in more than one fan. Thread-safe: no state is shared.
+/// may come back twice where triangles meet in more than one fan. A texture comes back byte for byte. Thread-safe: no
+/// state is shared.
 [[nodiscard]] Result<std::vector<std::byte>> encode(const Submesh& submesh, const EncodeOptions& options = {});
 
 struct DecodeLimits {
@@ -27,8 +28,8 @@ struct DecodeLimits {
 };
 
 /// Refuses what is not one mesh within the limits, before memory is spent on it. What comes back is valid and lies on
-/// the lattice. Check the payload's hash before: this function survives hostile bytes as far as tests have found, but
-/// Draco makes no promise. Thread-safe.
+/// the lattice, and its texture can be decoded. Check the payload's hash before: this function survives hostile bytes
+/// as far as tests have found, but Draco makes no promise. Thread-safe.
 [[nodiscard]] Result<Submesh> decode(std::span<const std::byte> bytes, const DecodeLimits& limits = {});
 
 }  // namespace meshloop

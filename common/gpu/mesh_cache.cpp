@@ -7,8 +7,10 @@
 #include <utility>
 
 #include "common/base/clock.h"
+#include "common/base/log.h"
 #include "common/base/memory.h"
 #include "common/gpu/projection.h"
+#include "common/image/jpeg_codec.h"
 
 namespace meshloop {
 namespace {
@@ -30,6 +32,22 @@ std::vector<T> in_order(const std::vector<T>& values, const std::vector<std::uin
   result.reserve(order.size());
   for (const auto position : order) result.push_back(values[position]);
   return result;
+}
+
+std::optional<Texture> upload_picture(const ProjectedTexture& source) {
+  const auto picture = decode_jpeg(source.jpeg);
+  if (!picture) {
+    log_warning("a node is drawn without its texture: {}", picture.error().message);
+    return std::nullopt;
+  }
+  Texture texture = make_texture(GL_RGB8, picture->width(), picture->height());
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, picture->width(), picture->height(), GL_RGB, GL_UNSIGNED_BYTE,
+                  picture->data());
+  return texture;
 }
 
 void draw_triangles(std::uint32_t first, std::uint32_t count) {
@@ -120,6 +138,16 @@ const GpuMesh& MeshCache::mesh_of(const Node& node) const {
   static const GpuMesh kNothing;
   const auto found = entries_.find(node.submesh.get());
   return found == entries_.end() ? kNothing : found->second.mesh;
+}
+
+unsigned MeshCache::bind_picture(const Node& node) {
+  const auto found = entries_.find(node.submesh.get());
+  if (found == entries_.end() || !node.submesh->texture) return 0;
+  Entry& entry = found->second;
+  if (!std::exchange(entry.is_decoded, true)) entry.picture = upload_picture(*node.submesh->texture);
+  if (!entry.picture) return 0;
+  glBindTexture(GL_TEXTURE_2D, entry.picture->name());
+  return entry.picture->name();
 }
 
 void MeshCache::draw(const Node& node, const Eigen::Matrix4d& clip_from_node, const Tolerance& tolerance) {

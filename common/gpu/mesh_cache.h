@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <unordered_map>
 
 #include "common/detail/cluster_cut.h"
@@ -43,6 +44,10 @@ class MeshCache {
   /// The node's mesh; `update` must have seen its model. A mesh of no triangles for a node that it has not seen.
   [[nodiscard]] const GpuMesh& mesh_of(const Node& node) const;
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
+  /// The picture of the node's ProjectedTexture, sampled between its pixels, clamped at its edges; 0 where the node has
+  /// none or it cannot be decoded. Decoded when it is asked for first: who draws without colours never pays for it.
+  /// Binds it to the active texture unit.
+  unsigned bind_picture(const Node& node);
 
   /// Draws the node's mesh with the program and the uniforms that are set: what may lie in the view of the matrix, in
   /// the detail that the tolerance asks for. Colours are right only with an exact tolerance.
@@ -58,6 +63,9 @@ class MeshCache {
     /// Without its triangles and its order of vertices: those are in the buffers.
     std::unique_ptr<const ClusterHierarchy> hierarchy;
     bool is_asked = false;
+    /// Empty until it is asked for.
+    std::optional<Texture> picture;
+    bool is_decoded = false;
     VertexArray vertex_array;
     Buffer positions;
     Buffer colors;

@@ -14,6 +14,7 @@ namespace {
 
 constexpr GLint kClipFromNode = 0;
 constexpr GLint kNodeIndex = 1;
+constexpr GLint kPictureFromNode = 2;
 constexpr GLuint kColorAttribute = 1;
 
 struct Targets {
@@ -55,6 +56,7 @@ struct Targets {
 
 struct Programs {
   Program with_color;
+  Program with_texture;
   Program geometry_alone;
 };
 
@@ -80,6 +82,7 @@ class GlSceneRenderer final : public SceneRenderer {
  private:
   void prepare(const SceneView& view);
   void draw_nodes(const Model& model, const SceneView& view) const;
+  bool use_picture(const Node& node) const;
 
   GpuContext& context_;
   Programs programs_;
@@ -141,7 +144,8 @@ void GlSceneRenderer::draw_nodes(const Model& model, const SceneView& view) cons
       clip_from_camera(view.camera, view.near_m, view.far_m) * view.T_camera_world.matrix();
   const Eigen::Matrix4d part_from_clip =
       view.area ? clip_of_part(*view.area, view.camera) : Eigen::Matrix4d::Identity();
-  (view.color ? programs_.with_color : programs_.geometry_alone).use();
+  const Program& plain = view.color ? programs_.with_color : programs_.geometry_alone;
+  plain.use();
   glVertexAttrib4f(kColorAttribute, 0.5F, 0.5F, 0.5F, 0.5F);
   for (std::size_t i = 0; i < model.nodes.size(); ++i) {
     const Node& node = model.nodes[i];
@@ -149,10 +153,22 @@ void GlSceneRenderer::draw_nodes(const Model& model, const SceneView& view) cons
     // The product is made in double: a float camera far from the origin would move what it sees.
     const Eigen::Matrix4d clip_from_node = clip_from_world * node.T_world_node.matrix();
     const Eigen::Matrix4f matrix = clip_from_node.cast<float>();
+    const bool has_picture = view.color && use_picture(node);
     glUniformMatrix4fv(kClipFromNode, 1, GL_FALSE, matrix.data());
     glUniform1ui(kNodeIndex, static_cast<GLuint>(i + 1));
     context_.meshes().draw(node, part_from_clip * clip_from_node, view.tolerance);
+    if (has_picture) plain.use();
   }
+}
+
+bool GlSceneRenderer::use_picture(const Node& node) const {
+  if (!node.submesh || !node.submesh->texture) return false;
+  glActiveTexture(GL_TEXTURE0);
+  if (context_.meshes().bind_picture(node) == 0) return false;
+  programs_.with_texture.use();
+  const TextureProjection& projection = node.submesh->texture->projection;
+  glUniformMatrix4x3fv(kPictureFromNode, 1, GL_FALSE, projection.data());
+  return true;
 }
 
 DepthImage GlSceneRenderer::read_depth() {
@@ -195,6 +211,8 @@ Result<std::unique_ptr<SceneRenderer>> SceneRenderer::create(GpuContext& context
   context.make_current();
   auto with_color = Program::create(shaders::scene_vert, shaders::scene_frag);
   if (!with_color) return fail("preparing the scene renderer", with_color.error());
+  auto with_texture = Program::create(shaders::scene_texture_vert, shaders::scene_texture_frag);
+  if (!with_texture) return fail("preparing the scene renderer", with_texture.error());
   auto geometry_alone = Program::create(shaders::scene_geometry_vert, shaders::scene_geometry_frag);
   if (!geometry_alone) return fail("preparing the scene renderer", geometry_alone.error());
   auto shapes = ImplicitRenderer::create();
@@ -203,7 +221,8 @@ Result<std::unique_ptr<SceneRenderer>> SceneRenderer::create(GpuContext& context
   targets.bind(true, true);
   if (auto usable = check_framebuffer("float depth images"); !usable) return fail(usable.error());
   return std::unique_ptr<SceneRenderer>{std::make_unique<GlSceneRenderer>(
-      context, Programs{std::move(*with_color), std::move(*geometry_alone)}, std::move(*shapes), std::move(targets))};
+      context, Programs{std::move(*with_color), std::move(*with_texture), std::move(*geometry_alone)},
+      std::move(*shapes), std::move(targets))};
 }
 
 }  // namespace meshloop

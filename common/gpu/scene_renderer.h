@@ -27,8 +27,8 @@ struct SceneView {
   /// Textures that are not wanted are left alone, which saves a part of the time.
   bool nodes = true;
   bool color = true;
-  /// How far the drawn surfaces may lie from the model's, for the sake of speed. Colours are right only when it is
-  /// exact.
+  /// How far the drawn surfaces may lie from the model's, for the sake of speed. Colours of vertices are right only
+  /// when it is exact.
   Tolerance tolerance;
 };
 
@@ -36,9 +36,9 @@ struct SceneView {
 ///
 /// Row 0 of the textures is row 0 (the top) of the image. Depth texture: R32F, metres along the optical axis, 0 where
 /// no surface is. Node texture: R32UI, position in Model::nodes plus 1, 0 for none. Colour texture: RGBA8, the vertex
-/// colours as they are (no light), alpha 0 where no surface is, 1 where the node has colours and 0.5 where it has none
-/// (drawn mid grey). Both sides of a triangle are drawn. A node with a shape is drawn by its formula, not by its
-/// triangles: see implicit_renderer.h for how exact its depth is.
+/// colours or the texture's (common/mesh/texture.h) as they are (no light), alpha 0 where no surface is, 1 where the
+/// node has colours and 0.5 where it has none (drawn mid grey). Both sides of a triangle are drawn. A node with a shape
+/// is drawn by its formula, not by its triangles: see implicit_renderer.h for how exact its depth is.
 class SceneRenderer {
  public:
   [[nodiscard]] static Result<std::unique_ptr<SceneRenderer>> create(GpuContext& context);

@@ -7,6 +7,7 @@
 
 #include "common/codec/foreign_draco.h"
 #include "common/interchange/gltf_container.h"
+#include "common/interchange/gltf_texture.h"
 #include "common/interchange/mapped_file.h"
 #include "common/interchange/scene_reader.h"
 
@@ -138,10 +139,16 @@ Result<ReadParts> read_gltf(const std::filesystem::path& file, const Progress& p
   if (!chunks) return fail(chunks.error());
   if (auto ok = check_extensions(chunks->json); !ok) return fail(ok.error());
   const auto read = [&]() -> Result<ReadParts> {
-    if (chunks->json.find(kDraco) == std::string_view::npos) return read_with_assimp(file, progress);
+    const auto textures = read_projected_textures(*chunks);
+    if (!textures) return fail(textures.error());
+    if (chunks->json.find(kDraco) == std::string_view::npos) {
+      // From memory only where it has to be: a .gltf may name other files.
+      if (textures->empty()) return read_with_assimp(file, progress);
+      return read_glb_with_assimp(content->bytes(), file, *textures, progress);
+    }
     const auto glb = without_draco(*chunks, file.parent_path(), progress);
     if (!glb) return fail(glb.error());
-    return read_glb_with_assimp(*glb, file, progress);
+    return read_glb_with_assimp(*glb, file, *textures, progress);
   };
   auto parts = read();
   if (parts) parts->unit = {1, LengthUnit::Source::stated};

@@ -1,13 +1,18 @@
 #include "common/interchange/part_buffer.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <type_traits>
+#include <utility>
 
 namespace meshloop {
 namespace {
+
+using Texture = std::shared_ptr<const ProjectedTexture>;
 
 class Writer {
  public:
@@ -19,6 +24,14 @@ class Writer {
   void list(const List& values) {
     number(values.size());
     append(std::as_bytes(std::span{values}));
+  }
+
+  /// None is a picture without bytes.
+  void texture(const Texture& texture) {
+    const ProjectedTexture none;
+    const ProjectedTexture& written = texture ? *texture : none;
+    list(std::vector<float>(written.projection.data(), written.projection.data() + written.projection.size()));
+    list(written.jpeg);
   }
 
   [[nodiscard]] bool good() const { return good_; }
@@ -52,6 +65,18 @@ class Reader {
     return true;
   }
 
+  bool texture(Texture& texture) {
+    std::vector<float> values;
+    std::vector<std::byte> jpeg;
+    TextureProjection projection;
+    if (!list(values) || !list(jpeg) || values.size() != static_cast<std::size_t>(projection.size())) return false;
+    if (jpeg.empty()) return true;
+    std::copy(values.begin(), values.end(), projection.data());
+    auto made = make_projected_texture(std::move(jpeg), projection);
+    if (made) texture = std::move(*made);
+    return made.has_value();
+  }
+
   [[nodiscard]] bool at_end() const { return rest_.empty(); }
 
  private:
@@ -70,6 +95,7 @@ bool write_parts(const ReadParts& read, const WriteBytes& write) {
     out.list(part.submesh.positions);
     out.list(part.submesh.colors);
     out.list(part.submesh.triangles);
+    out.texture(part.submesh.texture);
   }
   return out.good();
 }
@@ -87,7 +113,7 @@ Result<ReadParts> parts_from_bytes(std::span<const std::byte> bytes) {
   for (std::uint64_t i = 0; complete && i < count; ++i) {
     ImportedPart part;
     complete = in.list(part.name) && in.list(part.submesh.positions) && in.list(part.submesh.colors) &&
-               in.list(part.submesh.triangles);
+               in.list(part.submesh.triangles) && in.texture(part.submesh.texture);
     if (complete) read.parts.push_back(std::move(part));
   }
   if (!complete || !in.at_end()) return fail("the importer's result is damaged");

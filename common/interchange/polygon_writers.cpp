@@ -32,7 +32,7 @@ Totals totals_of(const Model& model) {
   for (const auto& node : model.nodes) {
     totals.vertices += node.submesh->positions.size();
     totals.triangles += node.submesh->triangles.size();
-    totals.has_colors |= node.submesh->has_colors();
+    totals.has_colors |= node.submesh->has_colors() || node.submesh->texture;
   }
   return totals;
 }
@@ -46,13 +46,16 @@ std::string ply_header(const Totals& totals) {
       totals.triangles);
 }
 
-void append_ply_vertices(std::vector<std::byte>& bytes, const Node& node, bool has_colors) {
+Status append_ply_vertices(std::vector<std::byte>& bytes, const Node& node, bool has_colors) {
   const Submesh& submesh = *node.submesh;
+  const auto colors = vertex_colors(submesh);
+  if (!colors) return fail(node.name, colors.error());
   for (std::size_t i = 0; i < submesh.positions.size(); ++i) {
     const Eigen::Vector3f p = in_world(node, submesh.positions[i]);
     for (const float value : {p.x(), p.y(), p.z()}) append(bytes, value);
-    if (has_colors) append(bytes, submesh.has_colors() ? submesh.colors[i] : kNoColor);
+    if (has_colors) append(bytes, colors->empty() ? kNoColor : (*colors)[i]);
   }
+  return {};
 }
 
 /// A name on one line.
@@ -62,15 +65,17 @@ std::string line_of(std::string name) {
   return name;
 }
 
-void append_obj_node(std::string& text, const Node& node, std::size_t first_index) {
+Status append_obj_node(std::string& text, const Node& node, std::size_t first_index) {
   const Submesh& submesh = *node.submesh;
+  const auto colors = vertex_colors(submesh);
+  if (!colors) return fail(node.name, colors.error());
   auto out = std::back_inserter(text);
   fmt::format_to(out, "o {}\n", line_of(node.name));
   for (std::size_t i = 0; i < submesh.positions.size(); ++i) {
     const Eigen::Vector3f p = in_world(node, submesh.positions[i]);
     fmt::format_to(out, "v {} {} {}", p.x(), p.y(), p.z());
-    if (submesh.has_colors()) {
-      const Rgb8& c = submesh.colors[i];
+    if (!colors->empty()) {
+      const Rgb8& c = (*colors)[i];
       fmt::format_to(out, " {:.5f} {:.5f} {:.5f}", c.r / 255.0, c.g / 255.0, c.b / 255.0);
     }
     text += '\n';
@@ -78,6 +83,7 @@ void append_obj_node(std::string& text, const Node& node, std::size_t first_inde
   for (const auto& [a, b, c] : submesh.triangles) {
     fmt::format_to(out, "f {} {} {}\n", first_index + a, first_index + b, first_index + c);
   }
+  return {};
 }
 
 }  // namespace
@@ -91,7 +97,9 @@ Result<std::vector<std::byte>> to_ply(const Model& model) {
   bytes.reserve(header.size() + totals.vertices * 15 + totals.triangles * 13);
   const auto head = std::as_bytes(std::span{header});
   bytes.insert(bytes.end(), head.begin(), head.end());
-  for (const auto& node : model.nodes) append_ply_vertices(bytes, node, totals.has_colors);
+  for (const auto& node : model.nodes) {
+    if (auto done = append_ply_vertices(bytes, node, totals.has_colors); !done) return fail(done.error());
+  }
   std::uint32_t first_index = 0;
   for (const auto& node : model.nodes) {
     for (const auto& triangle : node.submesh->triangles) {
@@ -107,7 +115,7 @@ Result<std::vector<std::byte>> to_obj(const Model& model) {
   std::string text = "# meshloop, metres, world coordinates\n";
   std::size_t first_index = 1;
   for (const auto& node : model.nodes) {
-    append_obj_node(text, node, first_index);
+    if (auto done = append_obj_node(text, node, first_index); !done) return fail(done.error());
     first_index += node.submesh->positions.size();
   }
   const auto bytes = std::as_bytes(std::span{text});

@@ -74,6 +74,10 @@ void scale(std::vector<ImportedPart>& parts, double metres) {
   if (metres == 1) return;
   for (auto& part : parts) {
     for (auto& p : part.submesh.positions) p = (p.cast<double>() * metres).cast<float>();
+    if (!part.submesh.texture) continue;
+    auto scaled = std::make_shared<ProjectedTexture>(*part.submesh.texture);
+    scaled->projection.leftCols<3>() /= static_cast<float>(metres);
+    part.submesh.texture = std::move(scaled);
   }
 }
 

@@ -28,12 +28,13 @@ struct FileTraits {
   bool has_materials = false;
   /// The colour of a material that the file mentions without one: white in glTF, assimp's grey in OBJ.
   Rgb8 unnamed_color;
+  GltfTextures textures = {};
 };
 
 FileTraits traits_of(const std::filesystem::path& file) {
   const std::string ending = lower_case_ending(file);
   const bool gltf = ending == ".gltf" || ending == ".glb";
-  return {file.stem().string(), gltf, gltf || ending == ".obj", gltf ? Rgb8{255, 255, 255} : Rgb8{153, 153, 153}};
+  return {file.stem().string(), gltf, gltf || ending == ".obj", gltf ? Rgb8{255, 255, 255} : Rgb8{153, 153, 153}, {}};
 }
 
 Rgb8 to_rgb8(const aiColor4D& color, bool linear) {
@@ -87,6 +88,20 @@ Submesh to_submesh(const aiScene& scene, const aiMesh& mesh, const aiMatrix4x4& 
   return submesh;
 }
 
+/// The texture as it lies on a mesh that has been carried to the world; null when it has none.
+std::shared_ptr<const ProjectedTexture> texture_of(const aiScene& scene, const aiMesh& mesh,
+                                                   const aiMatrix4x4& T_world_node, const FileTraits& traits) {
+  if (traits.textures.empty() || mesh.mMaterialIndex >= scene.mNumMaterials) return nullptr;
+  const auto found = traits.textures.find(scene.mMaterials[mesh.mMaterialIndex]->GetName().C_Str());
+  if (found == traits.textures.end()) return nullptr;
+  const aiMatrix4x4& m = T_world_node;
+  Eigen::Matrix4d matrix;
+  matrix << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, m.d1, m.d2, m.d3, m.d4;
+  auto carried = std::make_shared<ProjectedTexture>(*found->second);
+  carried->projection = (carried->projection.cast<double>() * matrix.inverse()).cast<float>();
+  return carried;
+}
+
 struct Visit {
   const aiNode* node;
   aiMatrix4x4 T_world_node;
@@ -96,7 +111,10 @@ void add_parts(const aiScene& scene, const Visit& visit, const FileTraits& trait
   for (unsigned m = 0; m < visit.node->mNumMeshes; ++m) {
     const aiMesh& mesh = *scene.mMeshes[visit.node->mMeshes[m]];
     ImportedPart part{part_name(*visit.node, mesh, traits), to_submesh(scene, mesh, visit.T_world_node, traits)};
-    if (!part.submesh.triangles.empty()) parts.push_back(std::move(part));
+    if (part.submesh.triangles.empty()) continue;
+    part.submesh.texture = texture_of(scene, mesh, visit.T_world_node, traits);
+    if (part.submesh.texture) part.submesh.colors.clear();
+    parts.push_back(std::move(part));
   }
 }
 
@@ -196,8 +214,10 @@ Result<ReadParts> read_with_assimp(const std::filesystem::path& file, const Prog
 }
 
 Result<ReadParts> read_glb_with_assimp(std::span<const std::byte> glb, const std::filesystem::path& file,
-                                       const Progress& progress) {
-  return read_scene(traits_of(file), progress, [glb](Assimp::Importer& importer) {
+                                       const GltfTextures& textures, const Progress& progress) {
+  auto traits = traits_of(file);
+  traits.textures = textures;
+  return read_scene(traits, progress, [glb](Assimp::Importer& importer) {
     return importer.ReadFileFromMemory(glb.data(), glb.size(), kSteps, "glb");
   });
 }

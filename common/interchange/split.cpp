@@ -42,6 +42,7 @@ class Pieces {
     std::sort(used.begin(), used.end());
     used.erase(std::unique(used.begin(), used.end()), used.end());
     Submesh piece;
+    piece.texture = submesh_.texture;
     piece.positions.reserve(used.size());
     for (const auto index : used) {
       new_index_[index] = static_cast<std::uint32_t>(piece.positions.size());

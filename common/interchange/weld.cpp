@@ -64,6 +64,7 @@ Submesh welded(Submesh submesh) {
     }
   }
   joined.triangles = std::move(submesh.triangles);
+  joined.texture = std::move(submesh.texture);
   joined.positions.shrink_to_fit();
   joined.colors.shrink_to_fit();
   return joined;

@@ -8,6 +8,8 @@
 #include <limits>
 #include <span>
 
+#include "common/image/jpeg_codec.h"
+
 namespace meshloop {
 namespace {
 
@@ -28,7 +30,9 @@ Eigen::AlignedBox3f Submesh::bounds() const {
 }
 
 std::size_t Submesh::raw_bytes() const {
-  return positions.size() * 12 + colors.size() * 3 + triangles.size() * 12;
+  std::size_t bytes = positions.size() * 12 + colors.size() * 3 + triangles.size() * 12;
+  if (texture) bytes += static_cast<std::size_t>(texture->width) * static_cast<std::size_t>(texture->height) * 3;
+  return bytes;
 }
 
 Status validate(const Submesh& submesh) {
@@ -51,17 +55,24 @@ Status validate(const Submesh& submesh) {
   if (!std::all_of(submesh.positions.begin(), submesh.positions.end(), usable)) {
     return fail("a vertex position is not a finite number within 10 km; is the file in metres?");
   }
-  return {};
+  if (!submesh.texture) return {};
+  if (submesh.has_colors()) return fail("the mesh has colours at its vertices and a texture; it can have one of them");
+  return validate(*submesh.texture, submesh.positions);
 }
 
 Hash content_hash(const Submesh& submesh) {
   std::vector<std::byte> bytes;
-  bytes.reserve(submesh.raw_bytes() + 24);
+  bytes.reserve(submesh.raw_bytes() + 24 + sizeof(TextureProjection));
   append_bytes(bytes,
                std::vector<std::uint64_t>{submesh.positions.size(), submesh.colors.size(), submesh.triangles.size()});
   append_bytes(bytes, submesh.positions);
   append_bytes(bytes, submesh.colors);
   append_bytes(bytes, submesh.triangles);
+  if (submesh.texture) {
+    const auto& projection = submesh.texture->projection;
+    append_bytes(bytes, std::vector<float>(projection.data(), projection.data() + projection.size()));
+    append_bytes(bytes, submesh.texture->jpeg);
+  }
   return hash_of(bytes);
 }
 
@@ -98,7 +109,18 @@ Submesh keep_triangles(const Submesh& submesh, const std::vector<bool>& keep) {
     const auto& [a, b, c] = submesh.triangles[t];
     kept.triangles.push_back({new_index[a], new_index[b], new_index[c]});
   }
+  kept.texture = submesh.texture;
   return kept;
+}
+
+Result<std::vector<Rgb8>> vertex_colors(const Submesh& submesh) {
+  if (!submesh.texture) return submesh.colors;
+  const auto picture = decode_jpeg(submesh.texture->jpeg);
+  if (!picture) return fail("the texture", picture.error());
+  std::vector<Rgb8> colors;
+  colors.reserve(submesh.positions.size());
+  for (const auto& p : submesh.positions) colors.push_back(bilinear(*picture, pixel_of(*submesh.texture, p)));
+  return colors;
 }
 
 std::vector<Eigen::Vector3f> vertex_normals(const Submesh& submesh) {

@@ -4,11 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "common/base/hash.h"
 #include "common/base/result.h"
 #include "common/image/image.h"
+#include "common/mesh/texture.h"
 
 namespace meshloop {
 
@@ -21,11 +23,14 @@ struct Submesh {
   /// One per position, or empty.
   std::vector<Rgb8> colors;
   std::vector<Triangle> triangles;
+  /// Null: none. A submesh has colours at its vertices or a texture, never both.
+  std::shared_ptr<const ProjectedTexture> texture = nullptr;
 
+  /// At its vertices.
   [[nodiscard]] bool has_colors() const { return !colors.empty(); }
   [[nodiscard]] Eigen::AlignedBox3f bounds() const;
-  /// Bytes of positions (12 each), colours (3 each) and indices (12 a triangle): what an uncompressed update would
-  /// send.
+  /// Bytes of positions (12 each), colours (3 each), indices (12 a triangle) and the texture's pixels (3 each): what an
+  /// uncompressed update would send.
   [[nodiscard]] std::size_t raw_bytes() const;
 };
 
@@ -34,10 +39,11 @@ inline constexpr std::size_t kMaxVertices = 16'000'000;
 inline constexpr std::size_t kMaxTriangles = 32'000'000;
 
 /// Refuses what later stages could not work with: no triangles, an index out of range, a position that is not finite
-/// or farther than 10 km from the origin, colours that do not match.
+/// or farther than 10 km from the origin, colours that do not match, a texture beside colours or that `validate` of
+/// textures refuses.
 [[nodiscard]] Status validate(const Submesh& submesh);
 
-/// Hash over positions, colours and triangles.
+/// Hash over positions, colours, triangles and texture (the JPEG's bytes and the projection).
 [[nodiscard]] Hash content_hash(const Submesh& submesh);
 
 namespace detail {
@@ -61,8 +67,12 @@ namespace detail {
 }
 
 /// The submesh with only the triangles for which keep[t] is true; vertices that nothing uses are dropped, the others
-/// keep their order and their exact bits.
+/// keep their order and their exact bits. A texture is shared.
 [[nodiscard]] Submesh keep_triangles(const Submesh& submesh, const std::vector<bool>& keep);
+
+/// The colours of the vertices: their own, or the texture's where they lie; none where the submesh has neither. A
+/// texture that cannot be decoded is an error.
+[[nodiscard]] Result<std::vector<Rgb8>> vertex_colors(const Submesh& submesh);
 
 /// Area-weighted vertex normals, unit length; (0, 0, 1) where a vertex has no area.
 [[nodiscard]] std::vector<Eigen::Vector3f> vertex_normals(const Submesh& submesh);

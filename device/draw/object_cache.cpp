@@ -24,12 +24,12 @@ void attribute(GLuint location, const Buffer& buffer, GLenum type, GLboolean nor
 }  // namespace
 
 ObjectMesh::ObjectMesh(std::shared_ptr<const Submesh> source) : submesh{std::move(source)} {
-  auto vertex_colors = submesh->colors;
-  if (vertex_colors.empty()) vertex_colors.assign(submesh->positions.size(), kColorless);
+  auto of_vertices = vertex_colors(*submesh).value_or(std::vector<Rgb8>{});
+  if (of_vertices.empty()) of_vertices.assign(submesh->positions.size(), kColorless);
   glBindVertexArray(vertex_array.name());
   fill(GL_ARRAY_BUFFER, positions, submesh->positions);
   attribute(0, positions, GL_FLOAT, GL_FALSE);
-  fill(GL_ARRAY_BUFFER, colors, vertex_colors);
+  fill(GL_ARRAY_BUFFER, colors, of_vertices);
   attribute(1, colors, GL_UNSIGNED_BYTE, GL_TRUE);
   fill(GL_ARRAY_BUFFER, normals, vertex_normals(*submesh));
   attribute(2, normals, GL_FLOAT, GL_FALSE);

@@ -9,7 +9,8 @@
 
 namespace meshloop {
 
-/// Vertex attributes: 0 position, 1 colour, 2 normal. Objects without colours are light grey.
+/// Vertex attributes: 0 position, 1 colour, 2 normal. Of a texture the object shows what lies at its
+/// vertices. Objects without colours are light grey.
 struct ObjectMesh {
   explicit ObjectMesh(std::shared_ptr<const Submesh> source);
 

@@ -7,14 +7,15 @@
 
 #include "common/base/clock.h"
 #include "common/base/log.h"
+#include "common/image/jpeg_codec.h"
 #include "common/program/json_output.h"
 #include "common/program/stop_signal.h"
 
 namespace meshloop {
 namespace {
 
-/// Side by side, a metre before the camera: a triangle with colours and one without.
-Model two_triangles() {
+/// Side by side, a metre before the camera: a triangle without colours, one with colours, one with a texture.
+Model one_of_each_kind() {
   Submesh plain;
   plain.positions = {{0, -1, 1}, {1, -1, 1}, {0, 1, 1}};
   plain.triangles = {{0, 1, 2}};
@@ -22,8 +23,15 @@ Model two_triangles() {
   colored.positions = {{-1, -1, 1}, {0, -1, 1}, {0, 1, 1}};
   colored.triangles = plain.triangles;
   colored.colors.resize(3);
+  Submesh textured = plain;
+  TextureProjection one_pixel = TextureProjection::Zero();
+  one_pixel(2, 2) = 1;
+  if (auto jpeg = encode_jpeg(ColorImage{1, 1}, 90)) {
+    textured.texture = make_projected_texture(std::move(*jpeg), one_pixel).value_or(nullptr);
+  }
   Model model;
-  model.nodes = {make_node(1, "plain", std::move(plain)), make_node(2, "colored", std::move(colored))};
+  model.nodes = {make_node(1, "plain", std::move(plain)), make_node(2, "colored", std::move(colored)),
+                 make_node(3, "textured", std::move(textured))};
   return model;
 }
 
@@ -69,7 +77,7 @@ Result<std::unique_ptr<LiveClient>> LiveClient::create(const LiveOptions& option
 }
 
 void LiveClient::warm_up() {
-  const Model model = two_triangles();
+  const Model model = one_of_each_kind();
   session_.warm_up(model);
   const ColorImage black{camera_.width, camera_.height};
   const auto objects = in_view(options_.objects);

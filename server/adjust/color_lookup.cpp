@@ -1,6 +1,7 @@
 #include "server/adjust/color_lookup.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -39,6 +40,30 @@ Rgb8 rounded(std::uint64_t sum) {
   const std::uint64_t levels = (steps - (steps >> 5 & in_each_lane(1))) * kColorStep;
   return {static_cast<std::uint8_t>(levels), static_cast<std::uint8_t>(levels >> kLane_bits),
           static_cast<std::uint8_t>(levels >> (2 * kLane_bits))};
+}
+
+/// Shares of the pixels at -1, 0, 1 and 2 in what lies at `t`, from 0 to 1: cubic convolution (Keys 1981, a = -1/2).
+std::array<float, 4> cubic_shares(float t) {
+  return {((-0.5f * t + 1) * t - 0.5f) * t, (1.5f * t - 2.5f) * t * t + 1, ((-1.5f * t + 2) * t + 0.5f) * t,
+          (0.5f * t - 0.5f) * t * t};
+}
+
+/// The picture's border goes on beyond it.
+Rgb8 cubic(const ColorImage& image, const Eigen::Vector2f& pixel) {
+  const int x = static_cast<int>(std::floor(pixel.x()));
+  const int y = static_cast<int>(std::floor(pixel.y()));
+  const auto across = cubic_shares(pixel.x() - static_cast<float>(x));
+  const auto down = cubic_shares(pixel.y() - static_cast<float>(y));
+  Eigen::Array3f sum = Eigen::Array3f::Zero();
+  for (int k = 0; k < 16; ++k) {
+    const int u = std::clamp(x + k % 4 - 1, 0, image.width() - 1);
+    const int v = std::clamp(y + k / 4 - 1, 0, image.height() - 1);
+    const Rgb8& p = image(u, v);
+    sum += across[static_cast<std::size_t>(k % 4)] * down[static_cast<std::size_t>(k / 4)] *
+           Eigen::Array3f{static_cast<float>(p.r), static_cast<float>(p.g), static_cast<float>(p.b)};
+  }
+  const auto level = [](float value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 0.0f, 255.0f)); };
+  return {level(sum.x()), level(sum.y()), level(sum.z())};
 }
 
 }  // namespace
@@ -103,10 +128,9 @@ void ColorLookup::project_row(const DepthImage& measured, int y, const Camera& d
   }
 }
 
-inline std::optional<Rgb8> ColorLookup::bilinear(float u, float v) const {
+inline Rgb8 ColorLookup::bilinear(float u, float v) const {
   const auto last_x = static_cast<float>(color_->width() - 1);
   const auto last_y = static_cast<float>(color_->height() - 1);
-  if (!(u >= -0.5f && v >= -0.5f && u <= last_x + 0.5f && v <= last_y + 0.5f)) return std::nullopt;
   constexpr auto kPerPixel = static_cast<int>(kUnit);
   const int u_units = static_cast<int>(std::clamp(u, 0.0f, last_x) * kPerPixel + 0.5f);
   const int v_units = static_cast<int>(std::clamp(v, 0.0f, last_y) * kPerPixel + 0.5f);
@@ -121,19 +145,33 @@ inline std::optional<Rgb8> ColorLookup::bilinear(float u, float v) const {
   return rounded(top * (kUnit - fy) + bottom * fy);
 }
 
-inline std::optional<Rgb8> ColorLookup::look_up(const Eigen::Vector3f& p_depth, float sigma_m) const {
+// The pixel of the colour image that shows a point, which nothing hides.
+inline std::optional<Eigen::Vector2f> ColorLookup::seen_at(const Eigen::Vector3f& p_depth, float sigma_m) const {
   const Eigen::Vector3f p = R_color_depth_ * p_depth + t_color_depth_;
   if (nearest_.empty() || !(p.z() > 0.01f)) return std::nullopt;
   const float per_z = 1 / p.z();
   const float u = static_cast<float>(camera_.fx) * p.x() * per_z + static_cast<float>(camera_.cx);
   const float v = static_cast<float>(camera_.fy) * p.y() * per_z + static_cast<float>(camera_.cy);
-  const auto color = bilinear(u, v);
-  if (!color) return std::nullopt;
+  const float right = static_cast<float>(color_->width()) - 0.5f;
+  const float bottom = static_cast<float>(color_->height()) - 0.5f;
+  if (!(u >= -0.5f && v >= -0.5f && u <= right && v <= bottom)) return std::nullopt;
   const auto cell_x = static_cast<int>(std::max(u * scale_ + 0.5f, 0.0f));
   const auto cell_y = static_cast<int>(std::max(v * scale_ + 0.5f, 0.0f));
   const float nearest = nearest_(std::min(cell_x, nearest_.width() - 1), std::min(cell_y, nearest_.height() - 1));
   if (p.z() > nearest + 3 * sigma_m + p.z() * step_per_m_) return std::nullopt;
-  return color;
+  return Eigen::Vector2f{u, v};
+}
+
+inline std::optional<Rgb8> ColorLookup::look_up(const Eigen::Vector3f& p_depth, float sigma_m) const {
+  const auto pixel = seen_at(p_depth, sigma_m);
+  if (!pixel) return std::nullopt;
+  return bilinear(pixel->x(), pixel->y());
+}
+
+std::optional<Rgb8> ColorLookup::texel_of(const Eigen::Vector3f& p_depth, float sigma_m) const {
+  const auto pixel = seen_at(p_depth, sigma_m);
+  if (!pixel) return std::nullopt;
+  return cubic(*color_, *pixel);
 }
 
 std::optional<Rgb8> ColorLookup::color_of(const Eigen::Vector3f& p_depth, float sigma_m) const {

@@ -22,11 +22,14 @@ class ColorLookup {
   /// The snapshot's frame must outlive this.
   explicit ColorLookup(const Snapshot& snapshot);
 
-  /// Bilinear; nothing where the point lies outside the colour image, or behind another measured surface by more than
-  /// three sigma and what two neighbouring pixels of one surface can differ.
+  /// Bilinear, in coarse steps; nothing where the point lies outside the colour image, or behind another measured
+  /// surface by more than three sigma and what two neighbouring pixels of one surface can differ.
   [[nodiscard]] std::optional<Rgb8> color_of(const Eigen::Vector3f& p_depth, float sigma_m) const;
 
-  /// The same for many; as many sigmas as points.
+  /// The same for a picture of what is seen: cubic and not rounded, since who draws a texture interpolates once more.
+  [[nodiscard]] std::optional<Rgb8> texel_of(const Eigen::Vector3f& p_depth, float sigma_m) const;
+
+  /// As color_of for many; as many sigmas as points.
   [[nodiscard]] ColorsOfPoints colors_of(std::span<const Eigen::Vector3f> points_depth,
                                          std::span<const float> sigmas_m) const;
 
@@ -40,8 +43,9 @@ class ColorLookup {
   void project_row(const DepthImage& measured, int y, const Camera& depth, const Places& places) const;
   void draw(const DepthImage& measured, const Camera& depth);
   // Inline in color_lookup.cpp, where they are used.
+  [[nodiscard]] std::optional<Eigen::Vector2f> seen_at(const Eigen::Vector3f& p_depth, float sigma_m) const;
   [[nodiscard]] std::optional<Rgb8> look_up(const Eigen::Vector3f& p_depth, float sigma_m) const;
-  [[nodiscard]] std::optional<Rgb8> bilinear(float u, float v) const;
+  [[nodiscard]] Rgb8 bilinear(float u, float v) const;
 
   const ColorImage* color_;
   Camera camera_;

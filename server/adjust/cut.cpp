@@ -94,6 +94,7 @@ class Cutter {
       : submesh_{submesh}, removal_{removal}, places_{places_of(submesh.positions)} {
     result_.submesh.positions = submesh.positions;
     result_.submesh.colors = submesh.colors;
+    result_.submesh.texture = submesh.texture;
   }
 
   CutSubmesh run() {

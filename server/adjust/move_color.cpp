@@ -7,8 +7,8 @@
 namespace meshloop::adjust {
 namespace {
 
-constexpr std::size_t kMostVertices = 3000;
-constexpr int kLeastVertices = 40;
+constexpr std::size_t kMostSamples = 3000;
+constexpr int kLeastSamples = 40;
 /// Standard deviation of what is not even, in grey levels.
 constexpr double kTexture = 10;
 
@@ -35,31 +35,75 @@ struct Sums {
   }
 };
 
+/// What of a part is drawn at a pose.
+struct DrawnPart {
+  const MoveScene& scene;
+  const Part& part;
+  const Pose& T_camera_node;
+  DepthBuffer buffer;
+
+  DrawnPart(const MoveScene& of_scene, const Part& of_part, const Pose& pose)
+      : scene{of_scene},
+        part{of_part},
+        T_camera_node{pose},
+        buffer{projected_window(part.submesh.bounds(), T_camera_node, scene.camera(), 1)} {
+    draw(part.submesh, part.counted, T_camera_node, scene.camera(), buffer);
+  }
+  [[nodiscard]] float sigma_m(double z) const {
+    return static_cast<float>(scene.snapshot->rig->sensor.sigma_z_m(z, 0));
+  }
+};
+
+/// The colours of vertices that are seen.
+void add_vertices(const DrawnPart& drawn, const ColorLookup& colors, Sums& sums) {
+  const auto& [scene, part, T_camera_node, buffer] = drawn;
+  const std::size_t every = part.submesh.positions.size() / kMostSamples + 1;
+  for (std::size_t i = 0; i < part.submesh.positions.size(); i += every) {
+    const Eigen::Vector3d p = T_camera_node * part.submesh.positions[i].cast<double>();
+    if (!(p.z() > 0.05)) continue;
+    const Eigen::Vector2d pixel = scene.camera().project(p);
+    const auto x = static_cast<int>(std::floor(pixel.x() + 0.5));
+    const auto y = static_cast<int>(std::floor(pixel.y() + 0.5));
+    const auto z = static_cast<double>(buffer.depth(x, y));
+    if (!(z > 0)) continue;
+    const auto normal = normal_of(part, T_camera_node, buffer.what[buffer.at(x, y)]);
+    if (std::abs(z - p.z()) > scene.tolerance.at(p, normal)) continue;
+    const auto seen = colors.color_of(p.cast<float>(), drawn.sigma_m(p.z()));
+    if (seen) sums.add(part.submesh.colors[i], *seen);
+  }
+}
+
+/// The texture's colours, spread over the pixels that show the part.
+void add_pixels(const DrawnPart& drawn, const ColorImage& picture, const ColorLookup& colors, Sums& sums) {
+  const DepthBuffer& buffer = drawn.buffer;
+  const Pose T_node_camera = drawn.T_camera_node.inverse();
+  const auto shown =
+      static_cast<std::size_t>(std::count_if(buffer.z.begin(), buffer.z.end(), [](float z) { return z > 0; }));
+  const std::size_t every = shown / kMostSamples + 1;
+  std::size_t count = 0;
+  for (int y = buffer.window.y0; y < buffer.window.y1; ++y) {
+    for (int x = buffer.window.x0; x < buffer.window.x1; ++x) {
+      const auto z = static_cast<double>(buffer.depth(x, y));
+      if (!(z > 0) || count++ % every != 0) continue;
+      const Eigen::Vector3d p = drawn.scene.camera().back_project(x, y, z);
+      const Eigen::Vector3f p_node = (T_node_camera * p).cast<float>();
+      const auto seen = colors.color_of(p.cast<float>(), drawn.sigma_m(z));
+      if (seen) sums.add(bilinear(picture, pixel_of(*drawn.part.submesh.texture, p_node)), *seen);
+    }
+  }
+}
+
 }  // namespace
 
 std::optional<double> color_agreement(const MoveScene& scene, const Part& part, const ColorLookup& colors,
                                       const Pose& T_camera_node) {
-  if (!part.submesh.has_colors()) return std::nullopt;
-  const Camera& camera = scene.camera();
-  DepthBuffer drawn{projected_window(part.submesh.bounds(), T_camera_node, camera, 1)};
-  draw(part.submesh, part.counted, T_camera_node, camera, drawn);
-  const std::size_t every = part.submesh.positions.size() / kMostVertices + 1;
   Sums sums;
-  for (std::size_t i = 0; i < part.submesh.positions.size(); i += every) {
-    const Eigen::Vector3d p = T_camera_node * part.submesh.positions[i].cast<double>();
-    if (!(p.z() > 0.05)) continue;
-    const Eigen::Vector2d pixel = camera.project(p);
-    const auto x = static_cast<int>(std::floor(pixel.x() + 0.5));
-    const auto y = static_cast<int>(std::floor(pixel.y() + 0.5));
-    const auto z = static_cast<double>(drawn.depth(x, y));
-    if (!(z > 0)) continue;
-    const auto normal = normal_of(part, T_camera_node, drawn.what[drawn.at(x, y)]);
-    if (std::abs(z - p.z()) > scene.tolerance.at(p, normal)) continue;
-    const auto sigma_m = static_cast<float>(scene.snapshot->rig->sensor.sigma_z_m(p.z(), 0));
-    const auto seen = colors.color_of(p.cast<float>(), sigma_m);
-    if (seen) sums.add(part.submesh.colors[i], *seen);
+  if (part.submesh.texture) {
+    if (!part.picture.empty()) add_pixels({scene, part, T_camera_node}, part.picture, colors, sums);
+  } else if (part.submesh.has_colors()) {
+    add_vertices({scene, part, T_camera_node}, colors, sums);
   }
-  if (sums.count < kLeastVertices) return std::nullopt;
+  if (sums.count < kLeastSamples) return std::nullopt;
   const double n = sums.count;
   const double variance_a = (sums.aa - sums.a * sums.a / n).sum() / (3 * n);
   const double variance_b = (sums.bb - sums.b * sums.b / n).sum() / (3 * n);

@@ -6,8 +6,9 @@
 
 namespace meshloop::adjust {
 
-/// How well the colours of a part's vertices fit the picture's at a pose: correlation of what is seen of them, from -1
-/// to 1, each channel about its own mean. Nothing where either is too even to tell.
+/// How well the colours of a part (its vertices', or its texture's where pixels show it) fit the picture's at a pose:
+/// correlation of what is seen of them, from -1 to 1, each channel about its own mean. Nothing where either is too even
+/// to tell.
 [[nodiscard]] std::optional<double> color_agreement(const MoveScene& scene, const Part& part, const ColorLookup& colors,
                                                     const Pose& T_camera_node);
 

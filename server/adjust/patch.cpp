@@ -12,6 +12,7 @@
 #include "server/adjust/depth_grid.h"
 #include "server/adjust/flat_parts.h"
 #include "server/adjust/grid_mesh.h"
+#include "server/adjust/patch_texture.h"
 #include "server/adjust/stitch.h"
 #include "server/adjust/straight_lines.h"
 
@@ -195,15 +196,20 @@ Submesh make_patch(const Snapshot& snapshot, RegionId region, const AdjustOption
 
   Submesh patch;
   const auto points = back_project(grid, places, rig.depth, vertices);
-  patch.colors =
-      places.places.empty()
-          ? color_vertices(grid, vertices, points, colors)
-          : color_vertices(grid, vertices, back_project(grid, colored_places(places), rig.depth, vertices), colors);
   // The model's own depth belongs to the pose that it was drawn with.
   const Pose& T_depth_world = snapshot.depth_pose.T_camera_world;
   const Eigen::Isometry3f T_world_model = T_depth_world.inverse().cast<float>();
-  const Eigen::Isometry3f T_world_depth =
-      snapshot.refined_T_camera_world.value_or(T_depth_world).inverse().cast<float>();
+  const Pose placed_T_depth_world = snapshot.refined_T_camera_world.value_or(T_depth_world);
+  const Eigen::Isometry3f T_world_depth = placed_T_depth_world.inverse().cast<float>();
+  if (options.texture) {
+    patch.texture = make_patch_texture(grid, vertices.pixels, {rig.depth, placed_T_depth_world}, colors);
+  }
+  if (!patch.texture) {
+    patch.colors =
+        places.places.empty()
+            ? color_vertices(grid, vertices, points, colors)
+            : color_vertices(grid, vertices, back_project(grid, colored_places(places), rig.depth, vertices), colors);
+  }
   patch.positions.reserve(points.size());
   for (std::size_t n = 0; n < points.size(); ++n) {
     const bool is_model = grid.role[vertices.pixels[n]] == Role::model_rim;

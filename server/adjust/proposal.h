@@ -140,8 +140,11 @@ struct AdjustOptions {
   bool stitch = true;
   /// Patches are decimated as long as their surface stays within so many sigma of the sensor's noise; 0: not at all.
   double decimate_sigmas = 0;
-  /// And their brightness within so many levels of 255.
+  /// And their brightness within so many levels of 255, unless they have a texture.
   double decimate_levels = 12;
+  /// Patches get a picture of their colours, as fine as the depth image (ProjectedTexture), in place of a colour for
+  /// each vertex: what is decimated keeps its print.
+  bool texture = false;
   /// Look for things that moved; else all that moved is removed and inserted.
   bool moves = true;
 };
@@ -170,8 +173,8 @@ struct MergedEdits {
 /// The depth grid of a region as a submesh in the world, coloured from the colour image, on the scene's lattice.
 /// Positions are the depth pixels, back-projected and carried to the world; colours are looked up where the colour
 /// camera sees them (common/geometry/README.md, "From a depth pixel"). A point that the colour camera does not see
-/// takes the colour of the nearest one of the patch that it does see, or mid grey. No triangles when nothing is to be
-/// inserted.
+/// takes the colour of the nearest one of the patch that it does see, or mid grey. With AdjustOptions::texture these
+/// colours are a picture, else one for each vertex. No triangles when nothing is to be inserted.
 [[nodiscard]] Submesh insertion_patch(const Snapshot& snapshot, RegionId region, const AdjustOptions& options);
 
 }  // namespace meshloop

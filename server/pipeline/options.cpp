@@ -69,14 +69,21 @@ void SurfaceArguments::add_to(CLI::App& command) {
       .add_option(
           "--decimate", decimate_sigmas,
           "leave out triangles of new surface as long as it stays within so many sigma of the sensor's noise, and "
-          "its brightness within 12 levels of 255; 0: keep all")
+          "(without --texture on) its brightness within 12 levels of 255; 0: keep all")
       ->check(between(0, 3))
+      ->capture_default_str();
+  command
+      .add_option("--texture", texture,
+                  "on: new surface keeps its colours as a picture, as fine as the depth image, however few triangles "
+                  "it has; off: as a colour for each corner of a triangle")
+      ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
 }
 
 AdjustOptions SurfaceArguments::adjust_options() const {
   AdjustOptions options;
   options.decimate_sigmas = decimate_sigmas;
+  options.texture = texture == "on";
   return options;
 }
 

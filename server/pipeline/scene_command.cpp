@@ -35,7 +35,8 @@ nlohmann::json model_json(const Model& model) {
                      {"name", node.name},
                      {"vertices", node.submesh->positions.size()},
                      {"triangles", node.submesh->triangles.size()},
-                     {"colors", node.submesh->has_colors()}});
+                     {"colors", node.submesh->has_colors()},
+                     {"texture_bytes", node.submesh->texture ? node.submesh->texture->jpeg.size() : 0}});
   }
   return {{"revision", model.revision}, {"triangles", model.triangle_count()}, {"nodes", nodes}};
 }

@@ -7,6 +7,8 @@
 #include <map>
 
 #include "server/store/blobs.h"
+#include "server/store/schema.h"
+#include "server/store/texture_rows.h"
 
 namespace meshloop {
 namespace {
@@ -21,7 +23,7 @@ std::span<const std::byte> blob_of(const Hash& hash) {
   return std::as_bytes(std::span{hash});
 }
 
-Result<SubmeshPtr> read_geometry(Database& database, const Hash& hash) {
+Result<SubmeshPtr> read_geometry(Database& database, const Hash& hash, bool with_textures) {
   auto query = database.prepare("SELECT positions, colors, triangles FROM geometry WHERE hash = ?");
   if (!query) return fail(query.error());
   const auto row = query->bind(blob_of(hash)).step();
@@ -32,6 +34,11 @@ Result<SubmeshPtr> read_geometry(Database& database, const Hash& hash) {
   auto triangles = from_blob<Triangle>(query->blob(2));
   if (!positions || !colors || !triangles) return damaged(database, "a geometry has the wrong size");
   Submesh submesh{std::move(*positions), std::move(*colors), std::move(*triangles)};
+  if (with_textures) {
+    auto texture = read_texture(database, hash);
+    if (!texture) return fail(texture.error());
+    submesh.texture = std::move(*texture);
+  }
   if (auto ok = validate(submesh); !ok) return damaged(database, ok.error().message);
   if (content_hash(submesh) != hash) return damaged(database, "a geometry is not what was stored");
   return std::make_shared<const Submesh>(std::move(submesh));
@@ -65,11 +72,12 @@ Status add_geometry(Database& database, const Node& node) {
   auto insert = database.prepare("INSERT INTO geometry VALUES(?, ?, ?, ?) ON CONFLICT DO NOTHING");
   if (!insert) return fail(insert.error());
   const Submesh& submesh = *node.submesh;
-  return insert->bind(blob_of(node.hash))
+  insert->bind(blob_of(node.hash))
       .bind(meshloop::blob_of(submesh.positions))
       .bind(meshloop::blob_of(submesh.colors))
-      .bind(meshloop::blob_of(submesh.triangles))
-      .run();
+      .bind(meshloop::blob_of(submesh.triangles));
+  if (auto ok = insert->run(); !ok || !submesh.texture) return ok;
+  return append_texture(database, node.hash, *submesh.texture);
 }
 
 Status add_row(Database& database, const Node& node, Revision revision) {
@@ -90,6 +98,8 @@ Status add_row(Database& database, const Node& node, Revision revision) {
 Result<Model> read_model(Database& database, Revision revision, const Model& known) {
   std::map<Hash, SubmeshPtr> shared;
   for (const auto& node : known.nodes) shared.emplace(node.hash, node.submesh);
+  const auto with_textures = has_textures(database);
+  if (!with_textures) return fail(with_textures.error());
   auto query = database.prepare(
       "SELECT node_id, name, transform, geometry FROM node "
       "WHERE from_revision <= ?1 AND (to_revision IS NULL OR to_revision > ?1) ORDER BY node_id");
@@ -106,7 +116,7 @@ Result<Model> read_model(Database& database, Revision revision, const Model& kno
     if (!model.nodes.empty() && model.nodes.back().id >= node->id) return damaged(database, "a node is there twice");
     auto& submesh = shared[node->hash];
     if (!submesh) {
-      auto read = read_geometry(database, node->hash);
+      auto read = read_geometry(database, node->hash, *with_textures);
       if (!read) return fail(read.error());
       submesh = std::move(*read);
     }

@@ -19,9 +19,10 @@ namespace fs = std::filesystem;
 
 /// "MLOP": how the file command and SQLite tell a scene from other SQLite files.
 constexpr std::int64_t kApplicationId = 0x4d4c4f50;
-constexpr std::int64_t kSchemaVersion = 3;
+constexpr std::int64_t kSchemaVersion = 4;
 constexpr std::int64_t kVersionWithSnapshots = 2;
 constexpr std::int64_t kVersionWithProposals = 3;
+constexpr std::int64_t kVersionWithTextures = 4;
 
 // README.md, "The file", describes the tables.
 constexpr const char* kSchemaOfVersion1 = R"sql(
@@ -49,9 +50,15 @@ CREATE TABLE snapshot(
   timestamp_s REAL NOT NULL, state TEXT NOT NULL, pose BLOB NOT NULL, covariance BLOB NOT NULL, quality REAL NOT NULL,
   inliers INTEGER NOT NULL, refined_pose BLOB) STRICT;
 )sql";
+constexpr const char* kFromVersion3To4 = R"sql(
+CREATE TABLE jpeg(hash BLOB PRIMARY KEY, bytes BLOB NOT NULL) STRICT;
+CREATE TABLE texture(
+  geometry BLOB PRIMARY KEY REFERENCES geometry, jpeg BLOB NOT NULL REFERENCES jpeg,
+  projection BLOB NOT NULL) STRICT;
+)sql";
 
 /// What makes a scene of one version one of the next, from version 1 on.
-constexpr std::array kSteps{kFromVersion1To2, kProposalTables};
+constexpr std::array kSteps{kFromVersion1To2, kProposalTables, kFromVersion3To4};
 static_assert(kSteps.size() == kSchemaVersion - 1);
 
 Status take_steps(Database& database, std::int64_t from_version) {
@@ -218,6 +225,10 @@ Result<bool> has_snapshots(Database& database) {
 
 Result<bool> has_proposals(Database& database) {
   return has_version(database, kVersionWithProposals);
+}
+
+Result<bool> has_textures(Database& database) {
+  return has_version(database, kVersionWithTextures);
 }
 
 Status bring_up_to_date(Database& database) {

@@ -24,6 +24,8 @@ namespace meshloop {
 [[nodiscard]] Result<bool> has_snapshots(Database& database);
 /// Version 2 has no tables `proposal` and `accepted_proposal`; likewise.
 [[nodiscard]] Result<bool> has_proposals(Database& database);
+/// Versions 1 to 3 have no tables `texture` and `jpeg`. Such a scene is read as it is.
+[[nodiscard]] Result<bool> has_textures(Database& database);
 /// A scene of an earlier version becomes one of the present version. In a transaction, before anything else is written.
 [[nodiscard]] Status bring_up_to_date(Database& database);
 

@@ -1,5 +1,6 @@
-// Draco payloads from the network: an error or a valid mesh on the lattice, never a crash.
-// Rooms: common/codec
+// Payloads from the network, with and without a texture: an error or a valid mesh on the lattice, whose picture can be
+// decoded; never a crash.
+// Rooms: common/codec common/image
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -8,6 +9,7 @@
 #include <span>
 
 #include "common/codec/mesh_codec.h"
+#include "common/image/jpeg_codec.h"
 #include "common/mesh/lattice.h"
 
 using meshloop::Submesh;
@@ -40,12 +42,25 @@ Submesh bumpy_grid(std::uint32_t cells, bool colored) {
   return mesh;
 }
 
+/// A picture seen along z, from a metre before the grid.
+std::shared_ptr<const meshloop::ProjectedTexture> picture(std::uint32_t side, unsigned seed) {
+  meshloop::ColorImage image{static_cast<int>(side), static_cast<int>(side)};
+  std::minstd_rand random{seed};
+  for (auto& pixel : image.pixels()) pixel = {static_cast<std::uint8_t>(random()), 90, 40};
+  meshloop::TextureProjection projection;
+  projection << 50, 0, 5, 5, 0, 50, 5, 5, 0, 0, 1, 1;
+  return meshloop::make_projected_texture(meshloop::encode_jpeg(image, 60).value(), projection).value();
+}
+
 /// A real payload, so that mutation starts from bytes that reach every part of the decoder.
 std::vector<std::byte> real_payload(unsigned seed) {
   std::minstd_rand random{seed};
   const auto cells = static_cast<std::uint32_t>(2 + random() % 26);
   const int speeds[] = {0, 2, 5, 10};
-  return meshloop::encode(bumpy_grid(cells, random() % 2 == 0), {speeds[random() % 4]}).value();
+  const auto kind = random() % 3;
+  Submesh grid = bumpy_grid(cells, kind == 0);
+  if (kind == 1) grid.texture = picture(1 + static_cast<std::uint32_t>(random() % 24), seed);
+  return meshloop::encode(grid, {speeds[random() % 4]}).value();
 }
 
 }  // namespace
@@ -65,5 +80,6 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto mesh = meshloop::decode(std::as_bytes(std::span{data, size}), kLimits);
   if (mesh && (!meshloop::validate(*mesh) || !meshloop::is_on_lattice(*mesh))) std::abort();
+  if (mesh && !meshloop::vertex_colors(*mesh)) std::abort();
   return 0;
 }
