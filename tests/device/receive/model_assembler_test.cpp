@@ -2,6 +2,7 @@
 
 #include "device/receive/scene_receiver.h"
 #include "station.h"
+#include "textured_wall.h"
 
 namespace meshloop {
 namespace {
@@ -41,6 +42,26 @@ TEST_F(ModelAssemblerTest, GivesTheModelWhenTheLastPieceIsThere) {
   EXPECT_EQ(model.nodes[1].hash, content_hash(*model.nodes[1].submesh));
   EXPECT_EQ(assembler_.counts().payloads, 2u);
   EXPECT_EQ(assembler_.counts().rejected, 0u);
+}
+
+TEST_F(ModelAssemblerTest, TexturesArriveWithTheirNodes) {
+  const Submesh wall = textured_wall();
+  const auto payload = payload_of(3, wall, 1, 1);
+  const auto received = assembler_.add(samples({a_, payload}, manifest_of(1, 1, {a_, payload})));
+  ASSERT_NE(received, nullptr);
+  const auto& texture = received->model->find(3)->submesh->texture;
+  ASSERT_TRUE(texture);
+  EXPECT_EQ(texture->jpeg, wall.texture->jpeg);
+  EXPECT_EQ(texture->projection, wall.texture->projection);
+  EXPECT_FALSE(received->model->find(1)->submesh->texture);
+}
+
+TEST_F(ModelAssemblerTest, ADamagedTextureIsRejectedWithItsPayload) {
+  auto payload = payload_of(3, textured_wall(), 1, 1);
+  payload.bytes.resize(payload.bytes.size() - 200);
+  payload.hash = hash_of(payload.bytes);
+  EXPECT_EQ(assembler_.add(samples({payload}, manifest_of(1, 1, {payload}))), nullptr);
+  EXPECT_EQ(assembler_.counts().rejected, 1u);
 }
 
 TEST_F(ModelAssemblerTest, TheOrderOfArrivalDoesNotMatter) {

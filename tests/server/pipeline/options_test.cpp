@@ -29,5 +29,17 @@ TEST(OperatorArguments, RefuseNamesThatWouldBreakALine) {
   EXPECT_NO_THROW(app.parse(std::vector<std::string>{"J\xc3\xb6rg M.", "--operator"}));
 }
 
+TEST(SurfaceArguments, TexturesAreOnOrOff) {
+  SurfaceArguments arguments;
+  CLI::App app;
+  arguments.add_to(app);
+  EXPECT_FALSE(arguments.adjust_options().texture);
+  app.parse("--texture on");
+  EXPECT_TRUE(arguments.adjust_options().texture);
+  app.parse("--texture off");
+  EXPECT_FALSE(arguments.adjust_options().texture);
+  EXPECT_THROW(app.parse("--texture maybe"), CLI::ValidationError);
+}
+
 }  // namespace
 }  // namespace meshloop

@@ -82,8 +82,8 @@ TEST_F(TextureStore, DamageIsNoticed) {
   }
 }
 
-/// A scene as version 2 had it: the present one without what came later.
-TEST_F(TextureStore, ASceneOfVersion2IsReadAndGetsItsTablesWithTheFirstChange) {
+/// A scene as version 3 had it: the present one without what came later.
+TEST_F(TextureStore, ASceneOfVersion3IsReadAndGetsItsTablesWithTheFirstChange) {
   std::shared_ptr<const Model> before;
   {
     const auto store = open_or_die(scene_);
