@@ -113,7 +113,7 @@ class Stitcher {
     if (!(p.z() > 0)) return std::nullopt;
     const Eigen::Vector3f& ahead = seen(line[std::min(i + 2, line.size() - 1)]);
     const Eigen::Vector3f& behind = seen(line[i - std::min<std::size_t>(i, 2)]);
-    const auto slope = static_cast<float>(kSteepest * kStitch_px / std::min(view_.camera->fx, view_.camera->fy));
+    const auto slope = static_cast<float>(kSteepest / std::min(view_.camera->fx, view_.camera->fy));
     return lookup.find(p, (ahead - behind).head<2>(), 4 * view_.sigma_m + p.z() * slope);
   }
 

@@ -236,5 +236,68 @@ TEST(Stitch, LeavesTheModelAndLonelyPatchesAsTheyAre) {
   for (std::size_t n = 0; n < alone.nodes.size(); ++n) EXPECT_EQ(alone.nodes[n].hash, first.nodes[n].hash);
 }
 
+/// Pixels in which two nodes lie within three sigma of each other.
+int doubled_pixels(const Model& model, const Pose& T_depth_world) {
+  std::vector<DepthImage> layers;
+  for (const auto& node : model.nodes) {
+    adjust::DepthBuffer buffer{adjust::Window{0, 0, kCamera.width, kCamera.height}};
+    draw(*node.submesh, std::vector<std::uint32_t>(node.submesh->triangles.size(), 0),
+         T_depth_world * node.T_world_node, kCamera, buffer);
+    auto& layer = layers.emplace_back(kCamera.width, kCamera.height);
+    for (int y = 0; y < kCamera.height; ++y) {
+      for (int x = 0; x < kCamera.width; ++x) layer(x, y) = buffer.depth(x, y);
+    }
+  }
+  int doubled = 0;
+  for (int y = 0; y < kCamera.height; ++y) {
+    for (int x = 0; x < kCamera.width; ++x) {
+      std::vector<float> depths;
+      for (const auto& layer : layers) {
+        if (layer(x, y) > 0) depths.push_back(layer(x, y));
+      }
+      std::sort(depths.begin(), depths.end());
+      for (std::size_t i = 1; i < depths.size(); ++i) {
+        if (depths[i] - depths[i - 1] > 3 * kKinect.sigma_z_m(static_cast<double>(depths[i]), 0)) continue;
+        ++doubled;
+        break;
+      }
+    }
+  }
+  return doubled;
+}
+
+// Seen from in between, so that pixels do not lie where they were measured.
+TEST(Stitch, DoublesNoSurface) {
+  int doubled = 0;
+  for (const auto& c : cases()) {
+    const Model first = Capture{{}, c.first, 1, 1}.adjusted({});
+    const Model both = Capture{first, c.second, 1, 2}.adjusted({});
+    doubled += doubled_pixels(both, view(0.02, 0.01, 3, 2, 0.3).inverse());
+  }
+  std::printf("%d of %zu pixels are doubled\n", doubled, cases().size() * 320 * 240);
+  EXPECT_LT(doubled, 10);
+}
+
+// What stands 5 cm before the wall leaves a hole in it as seen from the same place: the two do not meet.
+TEST(Stitch, BuildsNoBridgeOverAStep) {
+  for (const bool decimated : {false, true}) {
+    AdjustOptions options;
+    if (decimated) options.decimate_sigmas = 0.3;
+    Capture first{{}, view(0, 0, 0, 0), 1, 1};
+    first.hide(100, 80, 210, 150);
+    Capture second{first.adjusted(options), view(0, 0, 0, 0), 1, 2};
+    for (int y = 80; y < 150; ++y) {
+      for (int x = 100; x < 210; ++x) second.frame.depth(x, y) -= 0.05f;
+    }
+    second.compare();
+    const Model joined = second.adjusted(options);
+    options.stitch = false;
+    const Model apart = second.adjusted(options);
+    ASSERT_EQ(joined.nodes.size(), apart.nodes.size());
+    ASSERT_GT(joined.nodes.size(), second.model.nodes.size());
+    for (std::size_t n = 0; n < joined.nodes.size(); ++n) EXPECT_EQ(joined.nodes[n].hash, apart.nodes[n].hash);
+  }
+}
+
 }  // namespace
 }  // namespace meshloop

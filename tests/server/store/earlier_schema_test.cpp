@@ -133,7 +133,8 @@ TEST_F(EarlierSchema, OfVersion2BecomesOneOfThePresentVersionToo) {
     store->commit({add(3, 1)}, info).value();
   }
   run_sql(
-      "DROP TABLE texture; DROP TABLE jpeg; DROP TABLE accepted_proposal; DROP TABLE proposal; DELETE FROM meta WHERE key = 'next_proposal_id';"
+      "DROP TABLE texture; DROP TABLE jpeg; DROP TABLE accepted_proposal; DROP TABLE proposal; DELETE FROM meta WHERE "
+      "key = 'next_proposal_id';"
       "PRAGMA user_version=2; PRAGMA wal_checkpoint(TRUNCATE)");
   EXPECT_EQ(schema_version(), 2);
   const auto store = open_or_die(scene_, false);
