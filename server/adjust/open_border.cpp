@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <span>
 
 #include "common/mesh/lattice.h"
 
@@ -55,11 +56,12 @@ class BorderFinder {
   void add(const Node& node) {
     const Submesh& submesh = *node.submesh;
     const Eigen::Isometry3f T_world_node = node.T_world_node.cast<float>();
+    if (!is_near(corners_of(submesh.bounds(), T_world_node))) return;
     std::vector<Eigen::Vector3f> seen(submesh.positions.size());
     std::transform(submesh.positions.begin(), submesh.positions.end(), seen.begin(),
                    [&](const Eigen::Vector3f& p) { return in_picture(T_world_node * p, camera_, T_camera_world_); });
     for (const auto& triangle : submesh.triangles) {
-      if (!is_near({seen[triangle[0]], seen[triangle[1]], seen[triangle[2]]})) continue;
+      if (!is_near(std::array{seen[triangle[0]], seen[triangle[1]], seen[triangle[2]]})) continue;
       std::array<std::uint32_t, 3> numbers{};
       for (std::size_t k = 0; k < 3; ++k) {
         const auto i = triangle[k];
@@ -86,7 +88,17 @@ class BorderFinder {
  private:
   static constexpr std::uint32_t kSeveral = kNoVertex - 1;
 
-  [[nodiscard]] bool is_near(std::initializer_list<Eigen::Vector3f> corners) const {
+  [[nodiscard]] std::vector<Eigen::Vector3f> corners_of(const Eigen::AlignedBox3f& box,
+                                                        const Eigen::Isometry3f& T_world_node) const {
+    std::vector<Eigen::Vector3f> corners;
+    for (int i = 0; i < 8; ++i) {
+      const auto corner = box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(i));
+      corners.push_back(in_picture(T_world_node * corner, camera_, T_camera_world_));
+    }
+    return corners;
+  }
+
+  [[nodiscard]] bool is_near(std::span<const Eigen::Vector3f> corners) const {
     Eigen::AlignedBox2f box;
     bool is_behind = false;
     bool is_before = false;
@@ -111,7 +123,7 @@ class BorderFinder {
   }
 
   void link(std::uint32_t from, std::uint32_t to) {
-    if (!is_near({border_[from].in_picture, border_[to].in_picture})) return;
+    if (!is_near(std::array{border_[from].in_picture, border_[to].in_picture})) return;
     border_[from].next = border_[from].next == kNoVertex ? to : kSeveral;
     border_[to].previous = border_[to].previous == kNoVertex ? from : kSeveral;
   }

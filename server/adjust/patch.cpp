@@ -136,7 +136,7 @@ std::vector<std::uint32_t> join_to_model(Submesh& patch, const Snapshot& snapsho
     to = vertices.number_of_pixel[to];
   }
   const StitchView view{&snapshot.rig->depth, snapshot.depth_pose.T_camera_world.cast<float>(), sigma_m};
-  return stitch(patch, std::move(border), *snapshot.model, view).vertices;
+  return stitch(patch, std::move(border), *snapshot.model, view);
 }
 
 Submesh positions_of(const Submesh& patch, const std::vector<std::uint32_t>& vertices) {

@@ -27,6 +27,16 @@ class PatchBorder {
   /// Vertices in the order of the border: each line once, closed ones from anywhere.
   [[nodiscard]] std::vector<std::vector<std::uint32_t>> lines() const;
 
+  /// Takes out all that lies between two vertices of one line.
+  void unlink(std::uint32_t from, std::uint32_t to) {
+    for (auto v = from; v != to && v != kNoVertex;) {
+      const auto after = next(v);
+      next_.erase(v);
+      previous_.erase(after);
+      v = after;
+    }
+  }
+
  private:
   using Links = std::map<std::uint32_t, std::uint32_t>;
 

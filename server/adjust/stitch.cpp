@@ -29,18 +29,17 @@ class Stitcher {
     for (const auto& edge : edges) seen(edge[0]);
   }
 
-  Stitched run(const Model& model) {
-    Stitched result;
+  std::vector<std::uint32_t> run(const Model& model) {
+    std::vector<std::uint32_t> joined;
     const OpenBorder neighbours = open_border(model, *view_.camera, view_.T_camera_world, marked());
-    if (neighbours.empty()) return result;
+    if (neighbours.empty()) return joined;
     neighbours_ = &neighbours;
     const auto stretches = find_stretches();
-    for (const auto& stretch : stretches) result.beside += stretch.size();
-    if (result.beside == 0) return result;
+    if (stretches.empty()) return joined;
     list_triangles(stretches);
     for (const auto& stretch : stretches) {
       for (std::size_t i = 0; i < stretch.size(); i += kAtOnce)
-        result.joined += join(std::span{stretch}.subspan(i, std::min(kAtOnce, stretch.size() - i)));
+        join(std::span{stretch}.subspan(i, std::min(kAtOnce, stretch.size() - i)));
     }
     tidy_seam();
     std::size_t kept = 0;
@@ -48,9 +47,9 @@ class Stitcher {
       if (!gone_.contains(static_cast<std::uint32_t>(t))) patch_.triangles[kept++] = patch_.triangles[t];
     }
     patch_.triangles.resize(kept);
-    for (const auto& [neighbour, vertex] : vertex_of_neighbour_) result.vertices.push_back(vertex);
-    result.vertices.insert(result.vertices.end(), on_edges_.begin(), on_edges_.end());
-    return result;
+    for (const auto& [neighbour, vertex] : vertex_of_neighbour_) joined.push_back(vertex);
+    joined.insert(joined.end(), on_edges_.begin(), on_edges_.end());
+    return joined;
   }
 
  private:
@@ -136,14 +135,11 @@ class Stitcher {
     }
   }
 
-  /// How many were joined.
-  std::size_t join(std::span<const Matched> part) {
-    if (part.empty()) return 0;
-    if (replace(part)) return part.size();
-    if (part.size() == 1) return 0;
+  void join(std::span<const Matched> part) {
+    if (part.empty() || replace(part) || part.size() == 1) return;
     const std::size_t half = part.size() / 2;
-    const std::size_t first = join(part.first(half));
-    return first + join(part.subspan(half));
+    join(part.first(half));
+    join(part.subspan(half));
   }
 
   /// The triangles at these border vertices, and the line around them.
@@ -266,6 +262,7 @@ class Stitcher {
     if (!fill(strip.inner, outer, made)) return false;
     gone_.insert(strip.triangles.begin(), strip.triangles.end());
     for (const auto& triangle : made) add(triangle);
+    border_.unlink(strip.inner.back(), strip.inner.front());
     outer.push_back(strip.inner.front());
     for (auto from = strip.inner.back(); const auto to : outer) {
       border_.link(from, to);
@@ -361,6 +358,7 @@ class Stitcher {
     if (ring.corners.size() < 3) return false;
     const std::size_t needed = ring.corners.size() - 2;
     append_flat_polygon({std::move(ring)}, made);
+    flip_to_delaunay(made, [&](std::uint32_t vertex) -> Eigen::Vector2f { return seen(vertex).head<2>(); });
     return made.size() == needed &&
            std::all_of(made.begin(), made.end(), [&](const Triangle& t) { return faces_camera(t); });
   }
@@ -403,8 +401,8 @@ class Stitcher {
 
 }  // namespace
 
-Stitched stitch(Submesh& patch, std::vector<std::array<std::uint32_t, 2>> border, const Model& model,
-                const StitchView& view) {
+std::vector<std::uint32_t> stitch(Submesh& patch, std::vector<std::array<std::uint32_t, 2>> border, const Model& model,
+                                  const StitchView& view) {
   if (border.empty() || model.nodes.empty()) return {};
   split_vertices(patch, border);
   return Stitcher{patch, border, view}.run(model);

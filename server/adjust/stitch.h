@@ -21,21 +21,15 @@ struct StitchView {
 /// Gaps and overlaps up to so many pixels across the picture are closed, and steps up to four sigma of depth.
 inline constexpr double kStitch_px = 4;
 
-struct Stitched {
-  /// Vertices of the patch that lie where the model has a border vertex, or on a border edge; at the end of its
-  /// vertices.
-  std::vector<std::uint32_t> vertices;
-  /// Border vertices of the patch that lay beside a border of the model, and how many of these are joined now.
-  std::size_t beside = 0;
-  std::size_t joined = 0;
-};
-
 /// Where the patch's border runs beside an open border of the model, the triangles at the patch's border are made anew
 /// so that they end in the model's own border vertices: no gap, no overlap, no vertex of one side on an edge of the
 /// other. The model stays as it is. `border` has the directed edges of the patch's border, its surface on their left.
 /// Where the outlines cross each other more than that can mend, the patch stays as it was. Patch in the world; vertices
-/// that nothing uses any more stay in it. New ones have the colour of the model's border, or of the patch beside.
-Stitched stitch(Submesh& patch, std::vector<std::array<std::uint32_t, 2>> border, const Model& model,
-                const StitchView& view);
+/// that nothing uses any more stay in it. Returns the new ones, which lie where the model has a border vertex (or,
+/// where it has none near, on a border edge): to the bit when that node's vertices lie on the world's lattice, else,
+/// since the patch is put onto the lattice, within half of its spacing. They have the colour of the model's border, or
+/// of the patch beside.
+std::vector<std::uint32_t> stitch(Submesh& patch, std::vector<std::array<std::uint32_t, 2>> border, const Model& model,
+                                  const StitchView& view);
 
 }  // namespace meshloop::adjust
