@@ -128,64 +128,76 @@ void ColorLookup::project_row(const DepthImage& measured, int y, const Camera& d
   }
 }
 
-inline Rgb8 ColorLookup::bilinear(float u, float v) const {
-  const auto last_x = static_cast<float>(color_->width() - 1);
-  const auto last_y = static_cast<float>(color_->height() - 1);
+ColorLookup::View ColorLookup::view() const {
+  View view;
+  view.R_color_depth = R_color_depth_;
+  view.t_color_depth = t_color_depth_;
+  view.focal_px = Eigen::Vector2d{camera_.fx, camera_.fy}.cast<float>();
+  view.centre_px = Eigen::Vector2d{camera_.cx, camera_.cy}.cast<float>();
+  view.scale = scale_;
+  view.columns = nearest_.width();
+  view.rows = nearest_.height();
+  view.step_per_m = step_per_m_;
+  view.nearest = nearest_.data();
+  view.color = color_->data();
+  view.width = color_->width();
+  view.height = color_->height();
+  return view;
+}
+
+inline Rgb8 ColorLookup::View::bilinear(float u, float v) const {
   constexpr auto kPerPixel = static_cast<int>(kUnit);
-  const int u_units = static_cast<int>(std::clamp(u, 0.0f, last_x) * kPerPixel + 0.5f);
-  const int v_units = static_cast<int>(std::clamp(v, 0.0f, last_y) * kPerPixel + 0.5f);
-  const int x = std::min(u_units / kPerPixel, color_->width() - 2);
-  const int y = std::min(v_units / kPerPixel, color_->height() - 2);
+  const int u_units = static_cast<int>(std::clamp(u, 0.0f, static_cast<float>(width - 1)) * kPerPixel + 0.5f);
+  const int v_units = static_cast<int>(std::clamp(v, 0.0f, static_cast<float>(height - 1)) * kPerPixel + 0.5f);
+  const int x = std::min(u_units / kPerPixel, width - 2);
+  const int y = std::min(v_units / kPerPixel, height - 2);
   const auto fx = static_cast<std::uint64_t>(u_units - x * kPerPixel);
   const auto fy = static_cast<std::uint64_t>(v_units - y * kPerPixel);
-  const Rgb8* p = color_->data() + static_cast<std::ptrdiff_t>(y) * color_->width() + x;
-  const Rgb8* q = p + color_->width();
+  const Rgb8* p = color + static_cast<std::ptrdiff_t>(y) * width + x;
+  const Rgb8* q = p + width;
   const std::uint64_t top = lanes(p[0]) * (kUnit - fx) + lanes(p[1]) * fx;
   const std::uint64_t bottom = lanes(q[0]) * (kUnit - fx) + lanes(q[1]) * fx;
   return rounded(top * (kUnit - fy) + bottom * fy);
 }
 
-// The pixel of the colour image that shows a point, which nothing hides.
-inline std::optional<Eigen::Vector2f> ColorLookup::seen_at(const Eigen::Vector3f& p_depth, float sigma_m) const {
-  const Eigen::Vector3f p = R_color_depth_ * p_depth + t_color_depth_;
-  if (nearest_.empty() || !(p.z() > 0.01f)) return std::nullopt;
+inline std::optional<Eigen::Vector2f> ColorLookup::View::seen_at(const Eigen::Vector3f& p_depth, float sigma_m) const {
+  const Eigen::Vector3f p = R_color_depth * p_depth + t_color_depth;
+  if (columns == 0 || !(p.z() > 0.01f)) return std::nullopt;
   const float per_z = 1 / p.z();
-  const float u = static_cast<float>(camera_.fx) * p.x() * per_z + static_cast<float>(camera_.cx);
-  const float v = static_cast<float>(camera_.fy) * p.y() * per_z + static_cast<float>(camera_.cy);
-  const float right = static_cast<float>(color_->width()) - 0.5f;
-  const float bottom = static_cast<float>(color_->height()) - 0.5f;
-  if (!(u >= -0.5f && v >= -0.5f && u <= right && v <= bottom)) return std::nullopt;
-  const auto cell_x = static_cast<int>(std::max(u * scale_ + 0.5f, 0.0f));
-  const auto cell_y = static_cast<int>(std::max(v * scale_ + 0.5f, 0.0f));
-  const float nearest = nearest_(std::min(cell_x, nearest_.width() - 1), std::min(cell_y, nearest_.height() - 1));
-  if (p.z() > nearest + 3 * sigma_m + p.z() * step_per_m_) return std::nullopt;
+  const float u = focal_px.x() * p.x() * per_z + centre_px.x();
+  const float v = focal_px.y() * p.y() * per_z + centre_px.y();
+  if (!(u >= -0.5f && v >= -0.5f && u <= static_cast<float>(width) - 0.5f && v <= static_cast<float>(height) - 0.5f))
+    return std::nullopt;
+  const auto cell_x = std::min(static_cast<int>(std::max(u * scale + 0.5f, 0.0f)), columns - 1);
+  const auto cell_y = std::min(static_cast<int>(std::max(v * scale + 0.5f, 0.0f)), rows - 1);
+  if (p.z() > nearest[cell_y * columns + cell_x] + 3 * sigma_m + p.z() * step_per_m) return std::nullopt;
   return Eigen::Vector2f{u, v};
 }
 
-inline std::optional<Rgb8> ColorLookup::look_up(const Eigen::Vector3f& p_depth, float sigma_m) const {
-  const auto pixel = seen_at(p_depth, sigma_m);
-  if (!pixel) return std::nullopt;
-  return bilinear(pixel->x(), pixel->y());
-}
-
 std::optional<Rgb8> ColorLookup::texel_of(const Eigen::Vector3f& p_depth, float sigma_m) const {
-  const auto pixel = seen_at(p_depth, sigma_m);
+  const auto pixel = view().seen_at(p_depth, sigma_m);
   if (!pixel) return std::nullopt;
   return cubic(*color_, *pixel);
 }
 
 std::optional<Rgb8> ColorLookup::color_of(const Eigen::Vector3f& p_depth, float sigma_m) const {
-  return look_up(p_depth, sigma_m);
+  const auto view = this->view();
+  const auto pixel = view.seen_at(p_depth, sigma_m);
+  if (!pixel) return std::nullopt;
+  return view.bilinear(pixel->x(), pixel->y());
 }
 
 ColorsOfPoints ColorLookup::colors_of(std::span<const Eigen::Vector3f> points_depth,
                                       std::span<const float> sigmas_m) const {
   ColorsOfPoints found{std::vector<Rgb8>(points_depth.size()), std::vector<std::uint8_t>(points_depth.size(), 0)};
+  const View view = this->view();
+  Rgb8* colors = found.colors.data();
+  std::uint8_t* seen = found.seen.data();
   for (std::size_t i = 0; i < points_depth.size(); ++i) {
-    const auto color = look_up(points_depth[i], sigmas_m[i]);
-    if (!color) continue;
-    found.colors[i] = *color;
-    found.seen[i] = 1;
+    const auto pixel = view.seen_at(points_depth[i], sigmas_m[i]);
+    if (!pixel) continue;
+    colors[i] = view.bilinear(pixel->x(), pixel->y());
+    seen[i] = 1;
   }
   return found;
 }

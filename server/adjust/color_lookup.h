@@ -42,10 +42,28 @@ class ColorLookup {
   };
   void project_row(const DepthImage& measured, int y, const Camera& depth, const Places& places) const;
   void draw(const DepthImage& measured, const Camera& depth);
-  // Inline in color_lookup.cpp, where they are used.
-  [[nodiscard]] std::optional<Eigen::Vector2f> seen_at(const Eigen::Vector3f& p_depth, float sigma_m) const;
-  [[nodiscard]] std::optional<Rgb8> look_up(const Eigen::Vector3f& p_depth, float sigma_m) const;
-  [[nodiscard]] Rgb8 bilinear(float u, float v) const;
+  /// What a look at one point needs, in single precision. Copied to where many points are looked up: a copy cannot be
+  /// what the colours are written to, so that it need not be read again for each point.
+  struct View {
+    Eigen::Matrix3f R_color_depth;
+    Eigen::Vector3f t_color_depth;
+    Eigen::Vector2f focal_px;
+    Eigen::Vector2f centre_px;
+    /// Cells of the depth buffer per pixel, and their number.
+    float scale = 1;
+    int columns = 0;
+    int rows = 0;
+    float step_per_m = 0;
+    const float* nearest = nullptr;
+    const Rgb8* color = nullptr;
+    int width = 0;
+    int height = 0;
+
+    /// The pixel of the colour image that shows a point, which nothing hides.
+    [[nodiscard]] std::optional<Eigen::Vector2f> seen_at(const Eigen::Vector3f& p_depth, float sigma_m) const;
+    [[nodiscard]] Rgb8 bilinear(float u, float v) const;
+  };
+  [[nodiscard]] View view() const;
 
   const ColorImage* color_;
   Camera camera_;
