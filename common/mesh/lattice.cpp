@@ -65,24 +65,34 @@ std::vector<std::uint32_t> flat_triangles(const Submesh& submesh) {
 
 constexpr int kFlips = 4;
 
-// A flat triangle whose corners lie in different places has one of them on the edge between the others. Without it that
-// edge would meet two shorter ones: so it is flipped with the triangle at that edge, and both have area. Triangles with
-// two corners in one place leave nothing open.
-void flip_flat_triangles(Submesh& submesh, const std::vector<std::uint32_t>& flat) {
-  using Edge = std::pair<std::uint32_t, std::uint32_t>;
+using Edge = std::pair<std::uint32_t, std::uint32_t>;
+
+/// Flat triangles whose corners lie in different places, by their longest edge as the triangle beside has it.
+std::map<Edge, std::uint32_t> by_longest_edge(const Submesh& submesh, const std::vector<std::uint32_t>& flat) {
   const auto& p = submesh.positions;
-  std::map<Edge, std::uint32_t> flat_at;  // by its longest edge, as the other triangle has it
+  std::map<Edge, std::uint32_t> found;
   for (const auto t : flat) {
     const auto& [a, b, c] = submesh.triangles[t];
     if (p[a] == p[b] || p[b] == p[c] || p[c] == p[a]) continue;
     const std::array<std::pair<float, Edge>, 3> edges{{{(p[b] - p[a]).squaredNorm(), {b, a}},
                                                        {(p[c] - p[b]).squaredNorm(), {c, b}},
                                                        {(p[a] - p[c]).squaredNorm(), {a, c}}}};
-    flat_at[std::max_element(edges.begin(), edges.end())->second] = t;
+    found[std::max_element(edges.begin(), edges.end())->second] = t;
   }
-  if (flat_at.empty()) return;
+  return found;
+}
+
+// A flat triangle whose corners lie in different places has one of them on the edge between the others. Without it that
+// edge would meet two shorter ones: so it is flipped with the triangle at that edge, and both have area. Triangles with
+// two corners in one place leave nothing open. Returns which are flat now.
+std::vector<std::uint32_t> flip_flat_triangles(Submesh& submesh, const std::vector<std::uint32_t>& flat) {
+  auto flat_at = by_longest_edge(submesh, flat);
+  std::vector<std::uint8_t> begins_edge(submesh.positions.size(), 0);
+  for (const auto& [edge, t] : flat_at) begins_edge[edge.first] = 1;
+  std::vector<std::uint32_t> looked_at = flat;
   for (std::uint32_t u = 0; u < submesh.triangles.size(); ++u) {
     for (std::size_t k = 0; k < 3; ++k) {
+      if (begins_edge[submesh.triangles[u][k]] == 0) continue;
       const Edge edge{submesh.triangles[u][k], submesh.triangles[u][(k + 1) % 3]};
       const auto found = flat_at.find(edge);
       if (found == flat_at.end() || found->second == u) continue;
@@ -92,10 +102,15 @@ void flip_flat_triangles(Submesh& submesh, const std::vector<std::uint32_t>& fla
                                         [&](std::uint32_t i) { return i != edge.first && i != edge.second; });
       other = {edge.first, middle, opposite};
       submesh.triangles[u] = {middle, edge.second, opposite};
+      looked_at.push_back(u);
       flat_at.erase(found);
       break;
     }
   }
+  std::sort(looked_at.begin(), looked_at.end());
+  looked_at.erase(std::unique(looked_at.begin(), looked_at.end()), looked_at.end());
+  std::erase_if(looked_at, [&](std::uint32_t t) { return has_area(submesh, submesh.triangles[t]); });
+  return looked_at;
 }
 
 }  // namespace
@@ -120,10 +135,7 @@ Submesh snap_to_lattice(Submesh submesh, int coarsening) {
   auto flat = flat_triangles(submesh);
   if (flat.empty() && every_vertex_is_used(submesh)) return submesh;
   // What a flat triangle is flipped with may itself have been flat.
-  for (int i = 0; i < kFlips && !flat.empty(); ++i) {
-    flip_flat_triangles(submesh, flat);
-    flat = flat_triangles(submesh);
-  }
+  for (int i = 0; i < kFlips && !flat.empty(); ++i) flat = flip_flat_triangles(submesh, flat);
   std::vector<bool> keep(submesh.triangles.size(), true);
   for (const auto t : flat) keep[t] = false;
   return keep_triangles(submesh, keep);
