@@ -24,7 +24,7 @@ export LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0
 # page, and its leak checker then dies.
 export ASAN_OPTIONS=intercept_tls_get_addr=0
 # What measures accuracy over many frames runs the same code as its neighbours, only longer.
-accuracy='ABoxThat|SmallChange|NoDeviation|SimulatedNoise|NoiseThatSticks|IsNotPulledBy|IsPulledNoFarther|ThatHasNoColors|AnotherExposure|StaleModel|DemoData'
+accuracy='ABoxThat|SmallChange|NoDeviation|SimulatedNoise|NoiseThatSticks|IsNotPulledBy|IsPulledNoFarther|ThatHasNoColors|AnotherExposure|StaleModel|DemoData|LeavesNoOpenBorder|KeepsTheBorderWhen|DoublesNoSurface|LetRealChangesPass|FindAPoseThatIsOff|DoNoHarmTo|AreNotWorseThanEach'
 ctest --preset asan -j "$jobs" -L 'unit|sanitize|fuzz' -E "$accuracy" --no-tests=error
 
 say "thread sanitizer"
