@@ -123,8 +123,8 @@ Bytes parts_of(const DepthGrid& grid) {
 constexpr std::array<std::uint8_t, 4> kTrianglesOfCorner = [] {
   std::array<std::uint8_t, 4> triangles{};
   for (unsigned t = 0; t < 4; ++t) {
-    for (const int corner : kBlockTriangles[t]) {
-      auto& those = triangles[static_cast<std::size_t>(corner)];
+    for (const auto corner : kBlockTriangles[t]) {
+      auto& those = triangles[corner];
       those = static_cast<std::uint8_t>(those | 1U << t);
     }
   }
@@ -316,9 +316,10 @@ std::vector<std::array<std::uint32_t, 2>> border_of(const GridMesh& mesh) {
     for (std::size_t t = 0; t < 4; ++t) {
       if ((mesh.blocks[i] >> t & 1) == 0) continue;
       for (std::size_t k = 0; k < 3; ++k) {
-        const int from = kBlockTriangles[t][k];
-        const int to = kBlockTriangles[t][(k + 1) % 3];
-        auto& pixel = ways[corners[static_cast<std::size_t>(from)]];
+        const auto from_corner = kBlockTriangles[t][k];
+        const auto from = static_cast<int>(from_corner);
+        const auto to = static_cast<int>(kBlockTriangles[t][(k + 1) % 3]);
+        auto& pixel = ways[corners[from_corner]];
         pixel = static_cast<std::uint8_t>(pixel | 1 << way_of(to % 2 - from % 2, to / 2 - from / 2));
       }
     }

@@ -1,6 +1,7 @@
 #pragma once
 // The triangles between the pixels of a depth grid.
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -23,7 +24,8 @@ struct GridMesh {
 
 /// Corners of the triangle of bit 1 << i: 0 is the block's top left pixel, 1 top right, 2 bottom left, 3 bottom right;
 /// counter-clockwise towards the camera.
-inline constexpr std::array<std::array<int, 3>, 4> kBlockTriangles{{{0, 2, 3}, {0, 3, 1}, {0, 2, 1}, {1, 2, 3}}};
+inline constexpr std::array<std::array<std::size_t, 3>, 4> kBlockTriangles{
+    {{0, 2, 3}, {0, 3, 1}, {0, 2, 1}, {1, 2, 3}}};
 
 /// Left out: edges across depth discontinuities (see AdjustOptions), and triangles without a part of the patch.
 /// `lines` (empty, or as long as the grid's vectors): of two diagonals the one is taken that joins pixels of one line,
