@@ -167,6 +167,17 @@ Status decide(Database& database, ProposalId id, ProposalState state, const std:
   return update->bind(std::string_view{author}).bind(std::string_view{reason}).bind(now_ns).bind(number(id)).run();
 }
 
+/// Redo brings back what was accepted; it does not take back what somebody decided since.
+Status check_not_rejected(Database& database, ProposalId id) {
+  const auto record = read_one(database, id);
+  if (!record) return fail(record.error());
+  if (record->state != ProposalState::rejected) return {};
+  return fail(
+      fmt::format("redo would accept proposal {}, which was rejected by {} since; accept by their ids what shall "
+                  "be there again",
+                  id, record->author));
+}
+
 Status decide_all_of(Database& database, Revision revision, ProposalState state, const std::string& author,
                      std::int64_t now_ns) {
   auto query = database.prepare("SELECT proposal_id FROM proposal WHERE revision = ? ORDER BY proposal_id");
@@ -180,6 +191,9 @@ Status decide_all_of(Database& database, Revision revision, ProposalState state,
     ids.push_back(static_cast<ProposalId>(query->integer(0)));
   }
   for (const auto id : ids) {
+    if (state == ProposalState::accepted) {
+      if (auto ok = check_not_rejected(database, id); !ok) return ok;
+    }
     if (auto ok = decide(database, id, state, revision, author, {}, now_ns); !ok) return ok;
   }
   return {};

@@ -25,7 +25,7 @@ namespace meshloop {
 [[nodiscard]] Status accept_proposals(Database& database, Revision revision, const std::string& author,
                                       std::int64_t now_ns, const std::vector<AcceptedProposal>& accepted);
 
-/// What this revision accepted is open again, or accepted again.
+/// What this revision accepted is open again, or accepted again. The latter is refused where one was rejected since.
 [[nodiscard]] Status reopen_proposals(Database& database, Revision revision, const std::string& author,
                                       std::int64_t now_ns);
 [[nodiscard]] Status close_proposals_again(Database& database, Revision revision, const std::string& author,

@@ -78,7 +78,7 @@ class SceneStore {
 
   /// One step back, one step forth again. They are new revisions too: numbers only grow, so that devices never see one
   /// number with two contents. Undo opens the proposals again that the change accepted, redo closes them again.
-  /// Refused where there is nothing to undo or redo.
+  /// Refused where there is nothing to undo or redo, and a redo that would accept what was rejected since.
   [[nodiscard]] virtual Result<std::shared_ptr<const Model>> undo(const std::string& author) = 0;
   [[nodiscard]] virtual Result<std::shared_ptr<const Model>> redo(const std::string& author) = 0;
 

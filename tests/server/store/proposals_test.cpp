@@ -122,6 +122,24 @@ TEST_F(Proposals, AreOpenAgainAfterUndoAndAcceptedAgainAfterRedo) {
   EXPECT_TRUE(log.at(3).proposals.empty());
 }
 
+TEST_F(Proposals, ThatWereRejectedAreNotAcceptedByRedo) {
+  store_->remember({seen(0), seen(5)}).value();
+  RevisionInfo both = accepting(1);
+  both.proposals.push_back({2, content_at(5)});
+  store_->commit({add(1, 1)}, both).value();
+  store_->undo("bert").value();
+  ASSERT_TRUE(store_->reject({2}, "carl", "a toy"));
+  const auto redone = store_->redo("bert");
+  ASSERT_FALSE(redone);
+  EXPECT_THAT(redone.error().message, HasSubstr("proposal 2, which was rejected by carl"));
+  reopen();
+  EXPECT_EQ(store_->model()->revision, 2u) << "nothing of the redo stays";
+  EXPECT_TRUE(record(1).was_undone());
+  EXPECT_EQ(record(2).state, ProposalState::rejected);
+  EXPECT_EQ(record(2).reason, "a toy");
+  EXPECT_EQ(store_->commit({add(2, 2)}, accepting(2, 5)).value()->revision, 3u) << "by its id it can be";
+}
+
 TEST_F(Proposals, StayAsTheyAreWhenARevisionIsRestored) {
   store_->commit({add(1, 1)}, {}).value();
   store_->remember({seen(0)}).value();
