@@ -13,7 +13,8 @@
 namespace meshloop {
 namespace {
 
-constexpr std::size_t kLongestLine = 2000;
+/// A longer line must stay longer than any command, also after the end that some terminals add to it.
+constexpr std::size_t kMostKept = kLongestCommand + 2;
 /// A flood of lines must not keep the station from its frames.
 constexpr int kMostReads = 8;
 constexpr const char* kBlanks = " \t";
@@ -58,6 +59,10 @@ Result<OperatorCommand> parse_command(const std::string& line) {
       {{"undo", OperatorCommand::What::undo},
        {"redo", OperatorCommand::What::redo},
        {"list", OperatorCommand::What::list}}};
+  if (line.size() > kLongestCommand) {
+    return fail(
+        fmt::format("a command has at most {} bytes; name fewer ids at once, or ranges such as 1-9", kLongestCommand));
+  }
   const auto [word, rest] = split_word(line);
   if (word == "accept") return parse_accept_line(rest);
   if (word == "reject") return parse_reject_line(rest);
@@ -91,7 +96,7 @@ void CommandLines::take(const char* bytes, std::size_t count, std::vector<std::s
   for (std::size_t i = 0; i < count; ++i) {
     if (bytes[i] == '\n') {
       finish_line(lines);
-    } else if (begun_.size() < kLongestLine) {
+    } else if (begun_.size() < kMostKept) {
       begun_ += bytes[i];
     }
   }
@@ -99,7 +104,8 @@ void CommandLines::take(const char* bytes, std::size_t count, std::vector<std::s
 
 void CommandLines::finish_line(std::vector<std::string>& lines) {
   if (begun_.ends_with('\r')) begun_.pop_back();
-  if (begun_.find_first_not_of(kBlanks) != std::string::npos) lines.push_back(std::move(begun_));
+  const bool is_blank = begun_.find_first_not_of(kBlanks) == std::string::npos;
+  if (!is_blank || begun_.size() > kLongestCommand) lines.push_back(std::move(begun_));
   begun_.clear();
 }
 

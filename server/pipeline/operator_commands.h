@@ -1,5 +1,6 @@
 #pragma once
 // What an operator types while the station runs: one command a line.
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,11 @@ struct OperatorCommand {
   Decisions decisions;
 };
 
-/// "accept all", "accept 1,3", "reject 2 too noisy", "undo", "redo", "list".
+/// A line's most bytes.
+inline constexpr std::size_t kLongestCommand = 2000;
+
+/// "accept all", "accept 1,3", "reject 2 too noisy", "undo", "redo", "list". Refuses a line of more than
+/// kLongestCommand bytes, whatever it says.
 [[nodiscard]] Result<OperatorCommand> parse_command(const std::string& line);
 
 /// Lines of a file descriptor that is read without waiting. One thread.
@@ -25,7 +30,7 @@ class CommandLines {
   explicit CommandLines(int fd) : fd_{fd} {}
 
   /// Whole lines that came since the last call, without their ends, blank ones left out; at the end also a last one
-  /// that has no end. A line of more than 2000 bytes comes shortened to that, which is no command.
+  /// that has no end. Of a line of more than kLongestCommand bytes so much comes that parse_command refuses it.
   [[nodiscard]] std::vector<std::string> read();
   /// Nothing will come any more.
   [[nodiscard]] bool ended() const { return fd_ < 0; }

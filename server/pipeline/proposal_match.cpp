@@ -17,6 +17,11 @@ double likeness(const Eigen::AlignedBox3d& a, const Eigen::AlignedBox3d& b) {
   return common / (grown(a).volume() + grown(b).volume() - common);
 }
 
+bool is_too_small_for(const ProposalRecord& record, const Eigen::AlignedBox3d& seen) {
+  return record.state == ProposalState::rejected &&
+         kMostTimesSmallerOfRejected * grown(seen).volume() < grown(record.content.box_m).volume();
+}
+
 struct Pair {
   double likeness = 0;
   std::size_t content = 0;
@@ -31,7 +36,8 @@ std::vector<Pair> possible_pairs(const std::vector<ProposalContent>& contents,
       if (record.state == ProposalState::accepted || record.content.kind != contents[i].kind) continue;
       const auto& seen = contents[i].box_m;
       const auto& before = record.content.box_m;
-      if (are_one_place(before, seen)) pairs.push_back({likeness(before, seen), i, &record});
+      if (are_one_place(before, seen) && !is_too_small_for(record, seen))
+        pairs.push_back({likeness(before, seen), i, &record});
     }
   }
   std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {

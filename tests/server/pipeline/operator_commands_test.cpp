@@ -84,9 +84,26 @@ TEST_F(CommandLinesTest, DoNotGrowWithoutEnd) {
   type("\nundo\n");
   const auto lines = lines_.read();
   ASSERT_EQ(lines.size(), 2u);
-  EXPECT_EQ(lines[0].size(), 2000u);
+  EXPECT_LE(lines[0].size(), 2002u);
   EXPECT_FALSE(parse_command(lines[0]));
   EXPECT_EQ(lines[1], "undo");
+}
+
+TEST_F(CommandLinesTest, ThatAreTooLongAreRefusedAndNotCutToOthers) {
+  std::string ids = "accept 1";
+  while (ids.size() < 1998) ids += ",1";
+  ASSERT_EQ(ids.size(), 1998u);
+  for (const auto& line : {ids + ",345", ids + ",3\r,45", ids + ",34\r5", "undo" + std::string(3000, ' '),
+                           std::string(3000, ' ') + "undo", std::string(3000, ' ')}) {
+    type(line + "\n");
+    const auto lines = lines_.read();
+    ASSERT_EQ(lines.size(), 1u);
+    const auto command = parse_command(lines[0]);
+    ASSERT_FALSE(command) << lines[0].size();
+    EXPECT_THAT(command.error().message, HasSubstr("at most 2000 bytes"));
+  }
+  type(ids + ",3\r\n");
+  EXPECT_THAT(parse_command(lines_.read().at(0)).value().decisions.accept, ElementsAre(1, 3)) << "the longest one";
 }
 
 TEST(CommandLines, OfNothingAreNone) {

@@ -106,6 +106,21 @@ TEST(MatchProposals, TakesTheLowerIdOfTwoThatAreEquallyAlike) {
   EXPECT_EQ(found(content(crate(0)), {record(9, crate(0)), record(3, crate(0))}), 3u);
 }
 
+TEST(MatchProposals, RejectsNotAllThatEverStandsWithinWhatWasRejected) {
+  const auto room = box({-1, -1, 0}, {3, 3, 2});
+  const std::vector known{record(3, room, ProposalState::rejected)};
+  const auto inside = match_proposals({content(crate(0)), content(crate(0.5))}, known);
+  for (const auto& sighting : inside) {
+    EXPECT_FALSE(sighting.known);
+    EXPECT_FALSE(sighting.piece_of_rejected);
+  }
+  EXPECT_EQ(found(content(crate(0)), {record(3, room)}), 3u) << "what is open may show as little as it likes";
+  // 20 cm each way, and of that an eighth, with the margins of 2 cm.
+  const std::vector cube{record(5, box({0, 0, 0}, {0.16, 0.16, 0.16}), ProposalState::rejected)};
+  EXPECT_EQ(found(content(box({0, 0, 0}, {0.0601, 0.06, 0.06})), cube), 5u);
+  EXPECT_EQ(found(content(box({0, 0, 0}, {0.0599, 0.06, 0.06})), cube), std::nullopt);
+}
+
 TEST(MatchProposals, KeepsWhatWasRejectedRejectedUntilItIsSomethingElse) {
   const std::vector known{record(3, crate(0), ProposalState::rejected)};
   EXPECT_EQ(found(content(crate(0.03)), known), 3u);
