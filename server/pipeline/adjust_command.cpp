@@ -108,6 +108,10 @@ Status draw_proposals(AdjustedFrame& result, const TrackedFrame& tracked, const 
                       const Tools& tools) {
   if (!tools.pictures->wanted()) return {};
   for (const auto& offered : result.offered) {
+    if (offered.record.id == 0) {  // they would have one name
+      result.pictures.emplace_back(nullptr);
+      continue;
+    }
     const auto file = tools.pictures->write(tracked, examination, offered, *tools.views);
     if (!file) return fail(file.error());
     result.pictures.push_back({{"proposal", *file}, {"before", nullptr}, {"after", nullptr}});
@@ -162,6 +166,7 @@ Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const std::opti
   result.index = tracked.frame.index;
   // Nothing is proposed from a view that is not where it says.
   const auto withhold = [&](const std::string& reason) -> Status {
+    run.recent.drop(result.index);
     if (!run.decisions.accept.empty()) return fail(reason);
     result.reason = reason;
     return {};

@@ -15,7 +15,7 @@ struct AdjustedFrame {
   std::vector<Offered> offered;
   /// Of those that were accepted.
   std::optional<RevisionInfo> revision;
-  /// By the position in `offered`: files in --out.
+  /// By the position in `offered`: files in --out; null for what has no id.
   std::vector<nlohmann::json> pictures;
   /// Times, registration, fusion.
   nlohmann::json details = nlohmann::json::object();

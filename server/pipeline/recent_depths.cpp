@@ -6,16 +6,21 @@ namespace meshloop {
 
 void RecentDepths::add(const TrackedFrame& frame) {
   if (most_ <= 1) return;
-  kept_.push_back({frame.frame.index, frame.frame.depth, frame.depth_pose.T_camera_world, frame.depth_pose.covariance});
+  kept_.push_back({frame.frame.index, std::make_shared<const DepthImage>(frame.frame.depth),
+                   frame.depth_pose.T_camera_world, frame.depth_pose.covariance});
   // The newest one may be the snapshot's own frame.
   if (kept_.size() > most_) kept_.pop_front();
+}
+
+void RecentDepths::drop(int index) {
+  std::erase_if(kept_, [&](const Kept& kept) { return kept.index == index; });
 }
 
 std::vector<DepthView> RecentDepths::before(const TrackedFrame& frame, int oldest_index) const {
   std::vector<DepthView> views;
   for (auto kept = kept_.rbegin(); kept != kept_.rend() && views.size() + 1 < most_; ++kept) {
     if (kept->index >= frame.frame.index || kept->index < oldest_index) continue;
-    views.push_back({&kept->depth, kept->T_camera_world, kept->covariance});
+    views.push_back({kept->depth.get(), kept->T_camera_world, kept->covariance});
   }
   return views;
 }

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <deque>
+#include <memory>
 #include <vector>
 
 #include "server/adjust/depth_fusion.h"
@@ -8,20 +9,23 @@
 
 namespace meshloop {
 
-/// The depth of the last frames whose pose is good enough for new surface. One thread.
+/// The depth of the last frames whose pose is good enough for new surface. Copies share the images. One thread.
 class RecentDepths {
  public:
   /// `most`: frames of a snapshot, its own included; 1 keeps none.
   explicit RecentDepths(std::size_t most) : most_{most} {}
 
   void add(const TrackedFrame& frame);
-  /// Of frames before `frame`, the newest first, from `oldest_index` on. Valid until the next `add`.
+  /// Picture or model spoke against this frame's pose, or against the last ones': new surface is not made of them.
+  void drop(int index);
+  void clear() { kept_.clear(); }
+  /// Of frames before `frame`, the newest first, from `oldest_index` on. Valid until the next change.
   [[nodiscard]] std::vector<DepthView> before(const TrackedFrame& frame, int oldest_index) const;
 
  private:
   struct Kept {
     int index;
-    DepthImage depth;
+    std::shared_ptr<const DepthImage> depth;
     Pose T_camera_world;
     PoseCovariance covariance;
   };

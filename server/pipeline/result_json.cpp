@@ -126,6 +126,7 @@ nlohmann::json registration_json(const Registration& registration, const Tracked
           {"model_asks_for_m", registration.found.head<3>().norm()},
           {"model_asks_for_degrees", registration.found.tail<3>().norm() * 180 / std::numbers::pi},
           {"disagreement_sigmas", registration.disagreement_sigmas},
+          {"share_agreeing", registration.share_agreeing},
           {"share_nearer", registration.share_nearer}};
 }
 

@@ -17,13 +17,6 @@
 
 namespace meshloop {
 
-namespace {
-
-/// After a frame whose pose was found wrong.
-constexpr int kGoodFramesAfterBad = 5;
-
-}  // namespace
-
 Station::Station(std::unique_ptr<Parts> parts) : parts_{std::move(parts)} {}
 Station::~Station() = default;
 
@@ -135,45 +128,6 @@ nlohmann::json Station::confirmed_json(const TrackedFrame& tracked, const Examin
   return regions;
 }
 
-Result<Station::Offer> Station::look(TrackedFrame tracked, Examination examination) {
-  const Stopwatch watch;
-  const int first = first_frame_of(examination.regions, tracked.frame.index);
-  auto changes = propose_changes(tracked, examination, parts_->recent.before(tracked, first), parts_->rig,
-                                 *parts_->store, parts_->options.adjust);
-  Offer offer{.tracked = std::move(tracked),
-              .examination = std::move(examination),
-              .registration = changes.registration,
-              .rings = changes.rings,
-              .joint = changes.joint,
-              .withheld = why_withheld(changes),
-              .frames = changes.frames,
-              .snapshot_ms = watch.milliseconds(),
-              .proposals = {}};
-  if (offer.withheld) {
-    tell({{"event", "withheld"},
-          {"frame", offer.tracked.frame.index},
-          {"reason", *offer.withheld},
-          {"registration", registration_json(offer.registration, offer.tracked.depth_pose)},
-          {"edge_rings", rings_json(offer.rings)}});
-    return offer;
-  }
-  auto proposals = remember_proposals(*parts_->store, std::move(changes.proposals));
-  if (!proposals) return fail("remembering proposals", proposals.error());
-  offer.proposals = std::move(*proposals);
-  return offer;
-}
-
-std::optional<std::string> Station::why_withheld(const ProposedChanges& changes) {
-  if (changes.withheld) {
-    parts_->good_frames_due = kGoodFramesAfterBad;
-    return changes.withheld;
-  }
-  if (changes.proposals.empty() || parts_->good_frames_due == 0) return std::nullopt;
-  // What made the poses wrong is hardly gone after a frame that does not show it.
-  return fmt::format("the poses were wrong a moment ago: {} more frames must speak for them",
-                     parts_->good_frames_due--);
-}
-
 Result<Station::Change> Station::change(const Offer& offer, const std::vector<Offered>& accepted,
                                         const std::string& author) {
   const TrackedFrame& tracked = offer.tracked;
@@ -202,23 +156,6 @@ Status Station::accept(const Offer& offer, const std::vector<Offered>& accepted,
   return conclude({std::move(*done)});
 }
 
-Status Station::accept_by_rule(const Offer& offer, const std::vector<Offered>& accepted) {
-  const auto author = parts_->options.operator_name + " (automatic)";
-  auto first = change(offer, accepted, author);
-  if (!first) return fail(first.error());
-  std::vector<Change> changes;
-  changes.push_back(std::move(*first));
-  Status second_done;
-  std::optional<Offer> behind;
-  if (changes.front().acceptance.info.triangles_removed > 0 || !changes.front().acceptance.moves.empty()) {
-    auto second = change_behind(offer, author, behind);
-    if (!second) second_done = fail(second.error());  // the first one stays, and is told
-    if (second && *second) changes.push_back(std::move(**second));
-  }
-  auto concluded = conclude(changes);
-  return concluded ? second_done : concluded;
-}
-
 Status Station::conclude(const std::vector<Change>& changes) {
   // The report promises that the revision will be there whatever happens; devices need not wait for that.
   const Stopwatch watch;
@@ -234,24 +171,6 @@ Status Station::conclude(const std::vector<Change>& changes) {
   }
   parts_->after_is_due = true;
   return {};
-}
-
-Result<std::optional<Station::Change>> Station::change_behind(const Offer& offer, const std::string& author,
-                                                              std::optional<Offer>& behind) {
-  const TrackedFrame& tracked = offer.tracked;
-  auto examined = parts_->examiner.examine_behind(tracked, *parts_->store->model(), offer.examination.regions);
-  if (!examined) return fail(fmt::format("frame {}", tracked.frame.index), examined.error());
-  auto& regions = examined->regions.regions;
-  for (auto& region : regions) region.confirmed = region.confirmed && region.kind == ChangeKind::insertion;
-  auto looked = look(tracked, std::move(*examined));
-  if (!looked) return fail(looked.error());
-  behind = std::move(*looked);
-  const auto accepted = chosen_by_rule(*behind);
-  if (accepted.size() < behind->proposals.size()) tell_proposals(*behind);
-  if (accepted.empty()) return std::nullopt;
-  auto done = change(*behind, accepted, author);
-  if (!done) return fail(done.error());
-  return std::move(*done);
 }
 
 void Station::tell_revision(const Change& change, double sync_ms) const {

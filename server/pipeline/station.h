@@ -57,6 +57,7 @@ class Station {
   struct InFlight;
   /// What a frame proposes, and what that was made from.
   struct Offer;
+  struct Fusable;
   struct Looked;
   /// Why a command was not done.
   using Refusal = std::optional<std::string>;
@@ -73,14 +74,19 @@ class Station {
     const Offer* offer = nullptr;
     ColorImage picture;
   };
+  /// Whether a look at a frame counts for the frames that come: a second one at the same frame does not.
+  enum class Turn { first, again };
   /// What a frame proposes, remembered; or why it may propose nothing, which is told.
-  [[nodiscard]] Result<Offer> look(TrackedFrame tracked, Examination examination);
+  [[nodiscard]] Result<Offer> look(TrackedFrame tracked, Examination examination, Fusable fusable, Turn turn);
+  [[nodiscard]] Fusable fusable_with(const TrackedFrame& tracked, const RegionMap& regions) const;
   /// Counts the frames that must pass the gates before the model is changed again.
   [[nodiscard]] std::optional<std::string> why_withheld(const ProposedChanges& changes);
   /// One revision, published, brought to the disk and told.
   [[nodiscard]] Status accept(const Offer& offer, const std::vector<Offered>& accepted, const std::string& author);
-  /// The same, with a second revision of what stands behind, if the rule accepts that.
-  [[nodiscard]] Status accept_by_rule(const Offer& offer, const std::vector<Offered>& accepted);
+  /// The same, with a second revision of what stands behind, if the rule accepts that. What is left out is told then.
+  [[nodiscard]] Status accept_by_rule(Offer offer, const std::vector<Offered>& accepted);
+  /// Once it is on the disk: ids that were told are never given again.
+  [[nodiscard]] Status tell_left_out(Offer offer, std::optional<Offer> behind);
   /// Commits and publishes what is accepted, which is not nothing. The offer must outlive what it gives.
   [[nodiscard]] Result<Change> change(const Offer& offer, const std::vector<Offered>& accepted,
                                       const std::string& author);

@@ -12,6 +12,8 @@
 namespace meshloop {
 namespace {
 
+/// After a frame whose pose was found wrong.
+constexpr int kGoodFramesAfterBad = 5;
 /// Of the frames' own time. Proposing takes as long as a few frames.
 constexpr double kLookAgain_s = 1;
 
@@ -21,6 +23,10 @@ std::vector<RegionId> confirmed_ids(const RegionMap& regions) {
     if (region.confirmed) ids.push_back(region.id);
   }
   return ids;
+}
+
+std::string good_frames_text(int due) {
+  return fmt::format("the poses were wrong a moment ago: {} more frames must speak for them", due);
 }
 
 /// Why these cannot be accepted together.
@@ -33,6 +39,49 @@ std::optional<std::string> contradiction(const Model& model, const std::vector<O
 
 }  // namespace
 
+Station::Fusable Station::fusable_with(const TrackedFrame& tracked, const RegionMap& regions) const {
+  return {parts_->recent, first_frame_of(regions, tracked.frame.index)};
+}
+
+Result<Station::Offer> Station::look(TrackedFrame tracked, Examination examination, Fusable fusable, Turn turn) {
+  const Stopwatch watch;
+  auto changes = propose_changes(tracked, examination, fusable.recent.before(tracked, fusable.first), parts_->rig,
+                                 *parts_->store, parts_->options.adjust);
+  Offer offer{.tracked = std::move(tracked),
+              .examination = std::move(examination),
+              .registration = changes.registration,
+              .rings = changes.rings,
+              .joint = changes.joint,
+              .fusable = std::move(fusable),
+              .withheld = turn == Turn::first ? why_withheld(changes) : changes.withheld,
+              .frames = changes.frames,
+              .snapshot_ms = watch.milliseconds(),
+              .proposals = {}};
+  if (offer.withheld) {
+    tell({{"event", "withheld"},
+          {"frame", offer.tracked.frame.index},
+          {"reason", *offer.withheld},
+          {"registration", registration_json(offer.registration, offer.tracked.depth_pose)},
+          {"edge_rings", rings_json(offer.rings)}});
+    return offer;
+  }
+  auto proposals = remember_proposals(*parts_->store, std::move(changes.proposals));
+  if (!proposals) return fail("remembering proposals", proposals.error());
+  offer.proposals = std::move(*proposals);
+  return offer;
+}
+
+std::optional<std::string> Station::why_withheld(const ProposedChanges& changes) {
+  if (changes.withheld) {
+    parts_->good_frames_due = kGoodFramesAfterBad;
+    parts_->recent.clear();  // the frames before passed no gate
+    return changes.withheld;
+  }
+  if (changes.proposals.empty() || parts_->good_frames_due == 0) return std::nullopt;
+  // What made the poses wrong is hardly gone after a frame that does not show it.
+  return good_frames_text(parts_->good_frames_due--);
+}
+
 bool Station::is_worth_a_look(const RegionMap& regions, double timestamp_s) const {
   const auto& looked = parts_->looked;
   return !looked || looked->regions != confirmed_ids(regions) || timestamp_s - looked->timestamp_s >= kLookAgain_s ||
@@ -43,24 +92,79 @@ Status Station::consider(const TrackedFrame& tracked, Examination examination) {
   const bool has_rule = parts_->options.accept.what != AcceptanceRule::What::none;
   const double now_s = tracked.frame.depth_timestamp_s;
   if ((!has_rule && !parts_->options.commands) || !is_worth_a_look(examination.regions, now_s)) return {};
-  auto offer = look(tracked, std::move(examination));
+  auto fusable = fusable_with(tracked, examination.regions);
+  auto offer = look(tracked, std::move(examination), std::move(fusable), Turn::first);
   if (!offer) return fail(offer.error());
+  if (offer->withheld) return {};
+  parts_->looked = Looked{confirmed_ids(offer->examination.regions), now_s};
   if (offer->proposals.empty()) return {};
   const auto accepted = chosen_by_rule(*offer);
-  // An id that was told must not be given again, even when the power fails. Whoever waits for a change waits for no
-  // disk.
-  if (accepted.empty()) {
-    if (auto synced = parts_->store->sync(); !synced) return fail("remembering proposals", synced.error());
-  }
-  if (accepted.size() < offer->proposals.size()) tell_proposals(*offer);
-  if (!accepted.empty()) {
-    parts_->offer.reset();
-    return accept_by_rule(*offer, accepted);
-  }
-  parts_->looked = Looked{confirmed_ids(offer->examination.regions), now_s};
+  // Whoever waits for a change waits for no disk.
+  if (!accepted.empty()) return accept_by_rule(std::move(*offer), accepted);
+  // An id that was told must not be given again, even when the power fails.
+  if (auto synced = parts_->store->sync(); !synced) return fail("remembering proposals", synced.error());
+  tell_proposals(*offer);
   if (!parts_->options.commands) return {};
   parts_->offered_regions = offer->examination.regions;
   parts_->offer = std::move(*offer);
+  return {};
+}
+
+Status Station::accept_by_rule(Offer offer, const std::vector<Offered>& accepted) {
+  parts_->offer.reset();
+  const auto author = parts_->options.operator_name + " (automatic)";
+  auto first = change(offer, accepted, author);
+  if (!first) return fail(first.error());
+  std::vector<Change> changes;
+  changes.push_back(std::move(*first));
+  Status second_done;
+  std::optional<Offer> behind;
+  if (changes.front().acceptance.info.triangles_removed > 0 || !changes.front().acceptance.moves.empty()) {
+    auto second = change_behind(offer, author, behind);
+    if (!second) second_done = fail(second.error());  // the first one stays, and is told
+    if (second && *second) changes.push_back(std::move(**second));
+  }
+  if (auto concluded = conclude(changes); !concluded) return concluded;
+  if (!second_done) return second_done;
+  return tell_left_out(std::move(offer), std::move(behind));
+}
+
+Result<std::optional<Station::Change>> Station::change_behind(const Offer& offer, const std::string& author,
+                                                              std::optional<Offer>& behind) {
+  const TrackedFrame& tracked = offer.tracked;
+  auto examined = parts_->examiner.examine_behind(tracked, *parts_->store->model(), offer.examination.regions);
+  if (!examined) return fail(fmt::format("frame {}", tracked.frame.index), examined.error());
+  auto& regions = examined->regions.regions;
+  for (auto& region : regions) region.confirmed = region.confirmed && region.kind == ChangeKind::insertion;
+  auto fusable = fusable_with(tracked, examined->regions);
+  auto looked = look(tracked, std::move(*examined), std::move(fusable), Turn::again);
+  if (!looked) return fail(looked.error());
+  behind = std::move(*looked);
+  const auto accepted = chosen_by_rule(*behind);
+  if (accepted.empty()) return std::nullopt;
+  auto done = change(*behind, accepted, author);
+  if (!done) return fail(done.error());
+  return std::move(*done);
+}
+
+Status Station::tell_left_out(Offer offer, std::optional<Offer> behind) {
+  const auto known = parts_->store->proposals();
+  if (!known) return fail(known.error());
+  const auto keep_left_out = [&](Offer& told) {
+    refresh(*known, told.proposals);
+    std::erase_if(told.proposals, [](const Offered& one) { return one.record.state == ProposalState::accepted; });
+    return !told.proposals.empty();
+  };
+  const bool is_left = keep_left_out(offer);
+  const bool is_left_behind = behind && keep_left_out(*behind);
+  if (!is_left && !is_left_behind) return {};
+  if (parts_->options.commands) {
+    parts_->offered_regions = offer.examination.regions;
+    parts_->offer = std::move(offer);
+    return offer_again();
+  }
+  if (is_left) tell_proposals(offer);
+  if (is_left_behind) tell_proposals(*behind);
   return {};
 }
 
@@ -87,10 +191,11 @@ void Station::tell_proposals(const Offer& offer) const {
 Status Station::offer_again() {
   if (!parts_->offer) return {};
   const TrackedFrame tracked = std::move(parts_->offer->tracked);
+  Fusable fusable = std::move(parts_->offer->fusable);  // its regions have been there since, whatever was accepted
   parts_->offer.reset();
   auto examined = parts_->examiner.examine_again(tracked, *parts_->store->model(), parts_->offered_regions);
   if (!examined) return fail(fmt::format("frame {}", tracked.frame.index), examined.error());
-  auto offer = look(tracked, std::move(*examined));
+  auto offer = look(tracked, std::move(*examined), std::move(fusable), Turn::again);
   if (!offer) return fail(offer.error());
   if (auto synced = parts_->store->sync(); !synced) return fail("remembering proposals", synced.error());
   tell_proposals(*offer);
@@ -134,6 +239,9 @@ Result<Station::Refusal> Station::obey(OperatorCommand command) {
 
 Result<Station::Refusal> Station::accept_as_told(const OperatorCommand& command) {
   if (!parts_->offer) return Refusal{"nothing is proposed now"};
+  if (parts_->good_frames_due > 0) {
+    return Refusal{good_frames_text(parts_->good_frames_due) + "; accept it when they have"};
+  }
   const auto known = parts_->store->proposals();
   if (!known) return fail(known.error());
   const auto accepted = chosen(command.decisions, parts_->offer->proposals, *known);

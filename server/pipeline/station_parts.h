@@ -21,12 +21,19 @@ struct Station::InFlight {
   std::optional<Examiner::Begun> begun;
 };
 
+/// Frames that may be fused with one, from the first that its regions were there.
+struct Station::Fusable {
+  RecentDepths recent;
+  int first = 0;
+};
+
 struct Station::Offer {
   TrackedFrame tracked;
   Examination examination;
   Registration registration;
   EdgeRings rings;
   std::optional<JointPoses> joint;
+  Fusable fusable;
   /// Why there are no proposals: a gate, or one that fired a moment ago.
   std::optional<std::string> withheld;
   std::size_t frames = 1;

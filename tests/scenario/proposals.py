@@ -243,4 +243,23 @@ programs.check(not [e for e in events if e["event"] == "revision"]
                "nothing is sure to change by less than a millimetre")
 told, _ = start("--accept", "sure", "--sure-confidence", "0", "--sure-change", "100", scene=sure).communicate(timeout=200)
 programs.check('"event":"revision"' in told, "everything that the model can be compared with is sure within 100 m")
+
+print("-- what the rule leaves out beside what it accepts")
+partly = new_scene("partly.db")
+adjust(partly, FIRST, "--reject", leave, "--reason", "not this one")
+station = Running("--accept", "all", scene=partly)
+station.until(lambda e: e["event"] == "end")
+revisions = [i for i, e in enumerate(station.events) if e["event"] == "revision"]
+lists = [i for i, e in enumerate(station.events) if e["event"] == "proposals" and e["proposals"]]
+beside = [(i, k) for i in revisions for k in lists if station.events[i]["frame"] == station.events[k]["frame"]]
+programs.check(bool(beside) and all(i < k for i, k in beside),
+               f"{len(revisions)} revisions; of {len(beside)} the rest of the frame is told afterwards")
+programs.check(all(not set(station.events[i]["proposals"]) & {p["id"] for p in station.events[k]["proposals"]} for i, k in beside),
+               "... and only the rest")
+rest = [p["id"] for p in station.events[lists[-1]]["proposals"] if p["left_out"]] if lists else []
+programs.check(leave in rest, f"what was told last, {rest}, has what was rejected")
+answer = station.do(f"accept {leave}")
+programs.check(answer.get("refused") is None and listed(partly)[leave]["state"] == "accepted",
+               f"what was told can be accepted: {answer.get('refused')}")
+programs.check(station.end() == 0, "it ends well")
 programs.end()

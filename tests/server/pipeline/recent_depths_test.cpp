@@ -30,6 +30,22 @@ TEST(RecentDepths, LeavesOutWhatIsTooOld) {
   EXPECT_TRUE(recent.before(frame(5), 5).empty());
 }
 
+TEST(RecentDepths, GivesNothingOfFramesThatWereWithheld) {
+  RecentDepths recent{8};
+  for (int i = 0; i < 4; ++i) recent.add(frame(i));
+  recent.drop(2);
+  recent.drop(7);
+  const auto views = recent.before(frame(4), 0);
+  ASSERT_EQ(views.size(), 3u);
+  EXPECT_EQ((*views[0].depth)(0, 0), 3);
+  EXPECT_EQ((*views[1].depth)(0, 0), 1);
+  const RecentDepths earlier = recent;
+  recent.clear();
+  recent.add(frame(4));
+  EXPECT_EQ(recent.before(frame(5), 0).size(), 1u);
+  EXPECT_EQ(earlier.before(frame(4), 0).size(), 3u) << "what an offer was made of";
+}
+
 TEST(RecentDepths, OfOneFrameNothingIsKept) {
   RecentDepths recent{1};
   recent.add(frame(0));
