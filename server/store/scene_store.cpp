@@ -65,7 +65,7 @@ class SqliteSceneStore final : public SceneStore {
     Place here;
     Syncing syncing;
   };
-  /// Takes the right to write, checks that this store still shows the last revision, and brings the schema up to date.
+  /// Takes the right to write, and checks that this store still shows the last revision.
   Result<Writing> begin_writing(Syncing syncing = Syncing::now);
   Result<std::shared_ptr<const Model>> go_back_or_forth(bool back, const std::string& author);
   Result<std::shared_ptr<const Model>> commit_locked(const std::vector<Edit>& edits, RevisionInfo info,

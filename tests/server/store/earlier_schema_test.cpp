@@ -1,7 +1,10 @@
 // Scenes that earlier versions of the program made.
 #include <sqlite3.h>
 
+#include <map>
+
 #include "scenes.h"
+#include "textured_wall.h"
 
 namespace meshloop {
 namespace {
@@ -46,7 +49,57 @@ INSERT INTO node VALUES
 CREATE INDEX node_present ON node(node_id) WHERE to_revision IS NULL;
 )sql";
 
+// What each version since then has more, with a row of its own: never to be edited, as scenes of it are about.
+constexpr const char* kMoreInVersion2 = R"sql(
+PRAGMA user_version=2;
+CREATE TABLE calibration(hash BLOB PRIMARY KEY, rig TEXT NOT NULL) STRICT;
+CREATE TABLE snapshot(
+  revision INTEGER PRIMARY KEY REFERENCES revision, calibration BLOB NOT NULL REFERENCES calibration,
+  timestamp_s REAL NOT NULL, state TEXT NOT NULL, pose BLOB NOT NULL, covariance BLOB NOT NULL, quality REAL NOT NULL,
+  inliers INTEGER NOT NULL, refined_pose BLOB) STRICT;
+INSERT INTO calibration VALUES(X'2C6890DF66CD0CF709B4CDF6E4B79629C4DFDA97A38C0B99C16EA1D3E89FB3D1', 'a rig');
+INSERT INTO snapshot SELECT 2, hash, 12.5, 'tracking', IDENTITY, zeroblob(288), 0.75, 90, NULL FROM calibration;
+)sql";
+constexpr const char* kMoreInVersion3 = R"sql(
+PRAGMA user_version=3;
+INSERT INTO meta VALUES('next_proposal_id', 1);
+CREATE TABLE proposal(
+  proposal_id INTEGER PRIMARY KEY, kind INTEGER NOT NULL, nodes BLOB NOT NULL, box BLOB NOT NULL, effect TEXT NOT NULL,
+  confidence REAL NOT NULL, largest_change_m REAL NOT NULL, transform BLOB, state INTEGER NOT NULL,
+  first_seen_ns INTEGER NOT NULL, last_seen_ns INTEGER NOT NULL, revision INTEGER REFERENCES revision,
+  author TEXT NOT NULL, decided_ns INTEGER NOT NULL, reason TEXT NOT NULL) STRICT;
+CREATE TABLE accepted_proposal(
+  revision INTEGER NOT NULL REFERENCES revision, proposal_id INTEGER NOT NULL REFERENCES proposal,
+  kind INTEGER NOT NULL, nodes BLOB NOT NULL, box BLOB NOT NULL, effect TEXT NOT NULL, confidence REAL NOT NULL,
+  largest_change_m REAL NOT NULL, transform BLOB, PRIMARY KEY(revision, proposal_id)) STRICT;
+UPDATE meta SET value = 2 WHERE key = 'next_proposal_id';
+INSERT INTO proposal VALUES(1, 0, X'', zeroblob(48), 'a thing', 0.5, 0.25, NULL, 0, 10, 20, NULL, '', 0, '');
+)sql";
+constexpr const char* kMoreInVersion4 = R"sql(
+PRAGMA user_version=4;
+CREATE TABLE jpeg(hash BLOB PRIMARY KEY, bytes BLOB NOT NULL) STRICT;
+CREATE TABLE texture(
+  geometry BLOB PRIMARY KEY REFERENCES geometry, jpeg BLOB NOT NULL REFERENCES jpeg,
+  projection BLOB NOT NULL) STRICT;
+)sql";
+
 constexpr int kPresentVersion = 4;
+
+/// The statements that made the tables and indices of a scene, by name.
+std::map<std::string, std::string> tables_of(const std::filesystem::path& scene) {
+  std::map<std::string, std::string> tables;
+  sqlite3* database = nullptr;
+  EXPECT_EQ(sqlite3_open(scene.c_str(), &database), SQLITE_OK);
+  const auto add_row = [](void* to, int, char** values, char**) {
+    (*static_cast<std::map<std::string, std::string>*>(to))[values[0]] = values[1];
+    return 0;
+  };
+  const char* query = "SELECT name, sql FROM sqlite_schema WHERE sql IS NOT NULL";
+  EXPECT_EQ(sqlite3_exec(database, query, add_row, &tables, nullptr), SQLITE_OK) << sqlite3_errmsg(database);
+  sqlite3_close(database);
+  EXPECT_FALSE(tables.empty());
+  return tables;
+}
 
 /// The identity as SQLite takes a blob: a column of the matrix is 1 and four zeros on.
 std::string with_identity(std::string sql) {
@@ -123,28 +176,58 @@ TEST_F(EarlierSchema, HasNoProposalsAndTakesThemInWithTheFirst) {
   EXPECT_TRUE(store->log().value().at(2).proposals.empty());
 }
 
-/// As the versions between wrote it: with snapshots, without proposals.
 TEST_F(EarlierSchema, OfVersion2BecomesOneOfThePresentVersionToo) {
-  {
-    const auto store = open_or_die(scene_, false);
-    RevisionInfo info;
-    info.snapshot.emplace().depth_pose.state = TrackState::tracking;
-    info.snapshot->calibration = "a rig";
-    store->commit({add(3, 1)}, info).value();
-  }
-  run_sql(
-      "DROP TABLE texture; DROP TABLE jpeg; DROP TABLE accepted_proposal; DROP TABLE proposal; DELETE FROM meta WHERE "
-      "key = 'next_proposal_id';"
-      "PRAGMA user_version=2; PRAGMA wal_checkpoint(TRUNCATE)");
+  run_sql(with_identity(kMoreInVersion2));
   EXPECT_EQ(schema_version(), 2);
   const auto store = open_or_die(scene_, false);
-  EXPECT_EQ(store->log().value().at(3).snapshot->calibration, "a rig");
+  EXPECT_EQ(store->log().value().at(1).snapshot->calibration, "a rig");
   EXPECT_TRUE(store->proposals().value().empty());
-  store->undo("anna").value();
+  store->redo("anna").value();
   ProposalSighting sighting;
   sighting.content.box_m.extend(Eigen::Vector3d::Zero());
   EXPECT_EQ(store->remember({sighting}).value().at(0), 1u);
-  EXPECT_EQ(store->log().value().size(), 5u);
+  EXPECT_EQ(store->log().value().size(), 4u);
+}
+
+TEST_F(EarlierSchema, OfVersion3GetsItsTexturesWithTheFirstChange) {
+  run_sql(with_identity(std::string{kMoreInVersion2} + kMoreInVersion3));
+  {
+    const auto store = open_or_die(scene_, false);
+    EXPECT_EQ(store->proposals().value().at(0).content.effect, "a thing");
+    EXPECT_EQ(schema_version(), 3);
+    ProposalSighting sighting;
+    sighting.content.box_m.extend(Eigen::Vector3d::Zero());
+    EXPECT_EQ(store->remember({sighting}).value().at(0), 2u);
+    ASSERT_TRUE(store->commit({AddNode{make_node(3, "wall", test::textured_wall())}}, {}));
+  }
+  EXPECT_EQ(schema_version(), kPresentVersion);
+  const auto store = open_or_die(scene_, false);
+  EXPECT_EQ(store->model()->triangle_count(), 3u);
+  EXPECT_TRUE(store->model()->find(3)->submesh->texture);
+  EXPECT_EQ(store->undo("anna").value()->triangle_count(), 1u);
+}
+
+/// A step that is edited would leave scenes that were brought up to date before with other tables than those after.
+TEST_F(EarlierSchema, OfEachVersionGetsTheTablesOfANewOne) {
+  const auto present = folder_ / "new.scene";
+  open_or_die(present);
+  std::string more;
+  for (const char* step : {kMoreInVersion2, kMoreInVersion3, kMoreInVersion4}) {
+    std::filesystem::remove(scene_);
+    run_sql(with_identity(kVersion1 + more));
+    ASSERT_TRUE(open_or_die(scene_, false)->commit({add(3, 1)}, {}));
+    EXPECT_EQ(tables_of(scene_), tables_of(present)) << more;
+    more += step;
+  }
+  std::filesystem::remove(scene_);
+  run_sql(with_identity(kVersion1 + more));
+  EXPECT_EQ(tables_of(scene_), tables_of(present));
+}
+
+TEST_F(EarlierSchema, TheStationsStartLeavesItsTablesAsTheyAre) {
+  EXPECT_EQ(open_or_die(scene_, false)->begin_epoch().value(), 1u);
+  EXPECT_EQ(schema_version(), 1);
+  EXPECT_EQ(open_or_die(scene_, false)->begin_epoch().value(), 2u);
 }
 
 TEST_F(EarlierSchema, UndoAndRedoGoOnWhereTheyWere) {

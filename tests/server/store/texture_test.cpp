@@ -82,28 +82,5 @@ TEST_F(TextureStore, DamageIsNoticed) {
   }
 }
 
-/// A scene as version 3 had it: the present one without what came later.
-TEST_F(TextureStore, ASceneOfVersion3IsReadAndGetsItsTablesWithTheFirstChange) {
-  std::shared_ptr<const Model> before;
-  {
-    const auto store = open_or_die(scene_);
-    before = store->commit({test::add(1, 5)}, {}).value();
-  }
-  run_sql("DROP TABLE texture; DROP TABLE jpeg; PRAGMA user_version=3;");
-  {
-    const auto store = open_or_die(scene_, false);
-    expect_same_content(*store->model(), *before);
-  }
-  EXPECT_EQ(count("PRAGMA user_version"), 3);
-  {
-    const auto store = open_or_die(scene_, false);
-    ASSERT_TRUE(store->commit({AddNode{make_node(2, "wall", textured_wall())}}, {}));
-  }
-  EXPECT_EQ(count("PRAGMA user_version"), 4);
-  const auto store = open_or_die(scene_, false);
-  EXPECT_TRUE(store->model()->find(2)->submesh->texture);
-  EXPECT_EQ(store->undo("anna").value()->nodes.size(), 1u);
-}
-
 }  // namespace
 }  // namespace meshloop
