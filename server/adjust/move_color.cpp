@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "common/image/jpeg_codec.h"
+
 namespace meshloop::adjust {
 namespace {
 
@@ -74,7 +76,7 @@ void add_vertices(const DrawnPart& drawn, const ColorLookup& colors, Sums& sums)
 }
 
 /// The texture's colours, spread over the pixels that show the part.
-void add_pixels(const DrawnPart& drawn, const ColorImage& picture, const ColorLookup& colors, Sums& sums) {
+void add_pixels(const DrawnPart& drawn, const PartColors& colors, Sums& sums) {
   const DepthBuffer& buffer = drawn.buffer;
   const Pose T_node_camera = drawn.T_camera_node.inverse();
   const auto shown =
@@ -87,21 +89,26 @@ void add_pixels(const DrawnPart& drawn, const ColorImage& picture, const ColorLo
       if (!(z > 0) || count++ % every != 0) continue;
       const Eigen::Vector3d p = drawn.scene.camera().back_project(x, y, z);
       const Eigen::Vector3f p_node = (T_node_camera * p).cast<float>();
-      const auto seen = colors.color_of(p.cast<float>(), drawn.sigma_m(z));
-      if (seen) sums.add(bilinear(picture, pixel_of(*drawn.part.submesh.texture, p_node)), *seen);
+      const auto seen = colors.seen.color_of(p.cast<float>(), drawn.sigma_m(z));
+      if (seen) sums.add(bilinear(colors.picture, pixel_of(*drawn.part.submesh.texture, p_node)), *seen);
     }
   }
 }
 
 }  // namespace
 
-std::optional<double> color_agreement(const MoveScene& scene, const Part& part, const ColorLookup& colors,
+PartColors colors_of(const Part& part, const ColorLookup& seen) {
+  const auto& texture = part.submesh.texture;
+  return {texture ? decode_jpeg(texture->jpeg).value_or(ColorImage{}) : ColorImage{}, seen};
+}
+
+std::optional<double> color_agreement(const MoveScene& scene, const Part& part, const PartColors& colors,
                                       const Pose& T_camera_node) {
   Sums sums;
   if (part.submesh.texture) {
-    if (!part.picture.empty()) add_pixels({scene, part, T_camera_node}, part.picture, colors, sums);
+    if (!colors.picture.empty()) add_pixels({scene, part, T_camera_node}, colors, sums);
   } else if (part.submesh.has_colors()) {
-    add_vertices({scene, part, T_camera_node}, colors, sums);
+    add_vertices({scene, part, T_camera_node}, colors.seen, sums);
   }
   if (sums.count < kLeastSamples) return std::nullopt;
   const double n = sums.count;

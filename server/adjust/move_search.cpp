@@ -84,7 +84,7 @@ struct Stand {
   std::optional<double> color;
 };
 
-std::vector<Stand> stands_of(const MoveScene& scene, const Part& part, const ColorLookup& colors, const Place& place) {
+std::vector<Stand> stands_of(const MoveScene& scene, const Part& part, const PartColors& colors, const Place& place) {
   std::vector<Stand> stands;
   const Pose old = scene.T_camera_node(part.node_position);
   for (const auto& pose : place.stands) {
@@ -114,7 +114,7 @@ bool is_other_thing(const Choice& choice) {
 }
 
 std::optional<NewPlace> stand_at(const MoveScene& scene, const Part& part, const WithoutPart& without,
-                                 const ColorLookup& colors, const Place& place) {
+                                 const PartColors& colors, const Place& place) {
   const Choice choice = choose(stands_of(scene, part, colors, place));
   if (is_other_thing(choice)) return std::nullopt;
   const MoveFit fit = fit_outline(scene, part, without, choice.stand.T_camera_node);
@@ -136,7 +136,7 @@ void keep_the_best(std::vector<Place>& places) {
 
 // Several poses explain what is measured. At one place it is the nearest if colour does not tell; at several it is
 // none.
-std::optional<NewPlace> tell_apart(const MoveScene& scene, const Part& part, const ColorLookup& colors,
+std::optional<NewPlace> tell_apart(const MoveScene& scene, const Part& part, const PartColors& colors,
                                    std::vector<NewPlace> found) {
   std::vector<Stand> stands;
   const Pose old = scene.T_camera_node(part.node_position);
@@ -160,10 +160,12 @@ std::optional<NewPlace> tell_apart(const MoveScene& scene, const Part& part, con
 }  // namespace
 
 std::optional<NewPlace> find_new_place(const MoveScene& scene, const Part& part, const WithoutPart& without,
-                                       const ColorLookup& colors) {
+                                       const ColorLookup& seen) {
   std::vector<Place> places = places_of(scene, part, without);
   std::erase_if(places, [](const Place& place) { return place.fit.slides || place.check.refusal().has_value(); });
   keep_the_best(places);
+  if (places.empty()) return std::nullopt;
+  const PartColors colors = colors_of(part, seen);
   std::vector<NewPlace> found;
   for (const auto& place : places) {
     auto stand = stand_at(scene, part, without, colors, place);

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "common/base/connected.h"
-#include "common/image/jpeg_codec.h"
 #include "server/adjust/places.h"
 
 namespace meshloop::adjust {
@@ -123,7 +122,6 @@ Part make_part(const Node& node, std::size_t node_position, std::vector<bool> tr
   part.is_whole_node = std::find(triangles.begin(), triangles.end(), false) == triangles.end();
   part.submesh = part.is_whole_node ? *node.submesh : keep_triangles(*node.submesh, triangles);
   part.triangles = std::move(triangles);
-  if (part.submesh.texture) part.picture = decode_jpeg(part.submesh.texture->jpeg).value_or(ColorImage{});
   part.counted.resize(part.submesh.triangles.size());
   std::iota(part.counted.begin(), part.counted.end(), 0U);
   part.points = spread_points(part.submesh);

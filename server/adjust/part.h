@@ -31,8 +31,6 @@ struct Part {
   bool is_whole_node = false;
   /// These triangles alone, in the node's frame.
   Submesh submesh;
-  /// The submesh's texture, decoded; empty without one.
-  ColorImage picture;
   /// The submesh's triangles, counted: for `draw`.
   std::vector<std::uint32_t> counted;
   /// Spread evenly over the area, the same for the same part, in no particular order: any run of them is spread too.

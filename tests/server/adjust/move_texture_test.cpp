@@ -81,7 +81,8 @@ std::optional<double> agreement(const moved_things::World& world, const Eigen::V
   const Node& node = world.model.nodes[position];
   const auto part = adjust::make_part(node, position, std::vector<bool>(node.submesh->triangles.size(), true));
   const Pose T_world_new = make_pose(kWay + off, Eigen::Quaterniond::Identity());
-  return adjust::color_agreement(scene, part, adjust::ColorLookup{snapshot}, world.T_depth_world * T_world_new);
+  const adjust::ColorLookup seen{snapshot};
+  return adjust::color_agreement(scene, part, adjust::colors_of(part, seen), world.T_depth_world * T_world_new);
 }
 
 TEST(MovedTexture, ItsPrintFitsWhereItStandsAndNotBeside) {
