@@ -29,8 +29,12 @@ Eigen::AlignedBox3f Submesh::bounds() const {
   return box;
 }
 
+std::size_t Submesh::geometry_bytes() const {
+  return positions.size() * 12 + colors.size() * 3 + triangles.size() * 12;
+}
+
 std::size_t Submesh::raw_bytes() const {
-  std::size_t bytes = positions.size() * 12 + colors.size() * 3 + triangles.size() * 12;
+  std::size_t bytes = geometry_bytes();
   if (texture) bytes += static_cast<std::size_t>(texture->width) * static_cast<std::size_t>(texture->height) * 3;
   return bytes;
 }
@@ -62,7 +66,8 @@ Status validate(const Submesh& submesh) {
 
 Hash content_hash(const Submesh& submesh) {
   std::vector<std::byte> bytes;
-  bytes.reserve(submesh.raw_bytes() + 24 + sizeof(TextureProjection));
+  bytes.reserve(submesh.geometry_bytes() + 24 + sizeof(TextureProjection) +
+                (submesh.texture ? submesh.texture->jpeg.size() : 0));
   append_bytes(bytes,
                std::vector<std::uint64_t>{submesh.positions.size(), submesh.colors.size(), submesh.triangles.size()});
   append_bytes(bytes, submesh.positions);

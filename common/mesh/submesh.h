@@ -29,8 +29,9 @@ struct Submesh {
   /// At its vertices.
   [[nodiscard]] bool has_colors() const { return !colors.empty(); }
   [[nodiscard]] Eigen::AlignedBox3f bounds() const;
-  /// Bytes of positions (12 each), colours (3 each), indices (12 a triangle) and the texture's pixels (3 each): what an
-  /// uncompressed update would send.
+  /// Bytes of positions (12 each), colours (3 each) and indices (12 a triangle).
+  [[nodiscard]] std::size_t geometry_bytes() const;
+  /// Those and the texture's pixels (3 each): what an uncompressed update would send.
   [[nodiscard]] std::size_t raw_bytes() const;
 };
 

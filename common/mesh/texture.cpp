@@ -22,7 +22,10 @@ bool is_seen(const TextureProjection& projection, const Eigen::Vector3f& p) {
 
 Status check_picture(std::span<const std::byte> jpeg, const JpegSize& stated) {
   if (jpeg.size() > kMostTextureBytes) {
-    return fail(fmt::format("the texture has {} bytes; at most {} are accepted", jpeg.size(), kMostTextureBytes));
+    return fail(
+        fmt::format("the texture has {} bytes; at most {} can be sent with a node: make it smaller, or its "
+                    "quality lower",
+                    jpeg.size(), kMostTextureBytes));
   }
   const auto size = read_jpeg_size(jpeg);
   if (!size) return fail("the texture", size.error());

@@ -29,7 +29,8 @@ struct ProjectedTexture {
 
 /// What every GLES 3.1 device can hold.
 inline constexpr int kLargestTextureSide = 2048;
-inline constexpr std::size_t kMostTextureBytes = 4u << 20;
+/// Of the JPEG. A node is sent as one message of at most 1 MiB; the rest is for its triangles.
+inline constexpr std::size_t kMostTextureBytes = 768u << 10;
 
 /// A texture with the size that the JPEG's header says. Refuses what `validate` refuses.
 [[nodiscard]] Result<std::shared_ptr<const ProjectedTexture>> make_projected_texture(

@@ -3,6 +3,14 @@
 #include <utility>
 
 namespace meshloop {
+namespace {
+
+/// What it takes in memory here: a texture waits as its JPEG.
+std::size_t bytes_of(const Submesh& submesh) {
+  return submesh.geometry_bytes() + (submesh.texture ? submesh.texture->jpeg.size() : 0);
+}
+
+}  // namespace
 
 Decoded* DecodedPayloads::find(const Hash& payload) {
   const auto it = kept_.find(payload);
@@ -10,7 +18,7 @@ Decoded* DecodedPayloads::find(const Hash& payload) {
 }
 
 void DecodedPayloads::put(const Hash& payload, Decoded decoded, bool named) {
-  const std::size_t bytes = decoded.submesh->raw_bytes();
+  const std::size_t bytes = bytes_of(*decoded.submesh);
   const auto [it, added] = kept_.try_emplace(payload, Kept{std::move(decoded), bytes, 0});
   if (!added || named) return;
   make_pending(payload, it->second);

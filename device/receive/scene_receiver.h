@@ -38,8 +38,8 @@ class SceneReceiver {
   [[nodiscard]] virtual ReceiveCounts counts() const = 0;
 };
 
-/// Decoded geometry that no manifest has named yet is kept up to this size (as Submesh::raw_bytes); the oldest goes
-/// first.
+/// Decoded geometry that no manifest has named yet is kept up to this size (Submesh::geometry_bytes, and a texture's
+/// JPEG); the oldest goes first.
 inline constexpr std::size_t kMaxPendingBytes = 256u << 20;
 
 /// The thread-free part: decodes payloads as they arrive and waits until all nodes of the newest manifest (highest

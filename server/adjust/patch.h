@@ -7,7 +7,8 @@
 
 namespace meshloop::adjust {
 
-/// One node holds at most this many triangles: its Draco bytes then stay far below the 1 MiB that a message may have.
+/// One node holds at most this many triangles: with the largest texture (kMostTextureBytes) they then fit into the 1
+/// MiB that a message may have.
 inline constexpr std::size_t kMaxPatchTriangles = 60'000;
 
 /// Says what keeps a snapshot from being used: something missing, images of different sizes, a pose that is lost.

@@ -25,7 +25,7 @@ struct PlacedCamera {
 /// patch uses. Each has the colour that the lookup finds for its depth, without rounding; where it finds none, that of
 /// the nearest pixel that has one (breadth first, over the patch before all else), mid grey when there is none. All
 /// other pixels continue the nearest of the patch, so that what is sampled at the patch's border has its colours. Null
-/// when the picture is larger than a texture may be.
+/// when the picture has more pixels or its JPEG more bytes than a texture may.
 [[nodiscard]] std::shared_ptr<const ProjectedTexture> make_patch_texture(const DepthGrid& grid,
                                                                          std::span<const std::uint32_t> pixels,
                                                                          const PlacedCamera& placed,

@@ -218,6 +218,30 @@ TEST_F(TextureFile, GlbWithADamagedProjectionOrPictureIsRefused) {
   EXPECT_FALSE((*foreign)[0].submesh.texture);
 }
 
+TEST_F(TextureFile, GlbWithAPictureThatCannotBeSentIsRefused) {
+  const auto glb = to_glb(model_of(textured_wall())).value();
+  const auto chunks = split_gltf(glb).value();
+  auto document = nlohmann::json::parse(chunks.json);
+  auto jpeg = textured_wall().texture->jpeg;
+  const auto import_with = [&](std::size_t bytes) {
+    jpeg.resize(bytes);
+    std::vector<std::byte> binary{chunks.binary.begin(), chunks.binary.end()};
+    auto& view = document["bufferViews"][document["images"][0]["bufferView"].get<std::size_t>()];
+    view["byteOffset"] = binary.size();
+    view["byteLength"] = bytes;
+    binary.insert(binary.end(), jpeg.begin(), jpeg.end());
+    document["buffers"][0]["byteLength"] = binary.size();
+    const auto grown = join_glb(document, binary);
+    write("b.glb", std::string{reinterpret_cast<const char*>(grown.data()), grown.size()});
+    return import_model(path("b.glb"));
+  };
+  const auto largest = import_with(kMostTextureBytes);
+  EXPECT_TRUE(largest) << largest.error().message;
+  const auto refused = import_with(kMostTextureBytes + 1);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("make it smaller"), std::string::npos) << refused.error().message;
+}
+
 TEST_F(TextureFile, PlyAndObjHaveTheColorsAtTheVertices) {
   const Submesh wall = textured_wall();
   const auto expected = vertex_colors(wall).value();

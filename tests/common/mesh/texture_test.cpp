@@ -128,7 +128,7 @@ TEST(ProjectedTexture, RefusesSidesThatNotEveryDeviceCanHold) {
   EXPECT_FALSE(make_projected_texture(encode_jpeg(ColorImage{1, kLargestTextureSide + 1}, 50).value(), projection));
 }
 
-TEST(ProjectedTexture, RefusesMoreBytesThanAMessageCouldHold) {
+TEST(ProjectedTexture, RefusesMoreBytesThanCanBeSentWithANode) {
   const auto wall = changed_wall([](auto& texture) { texture.jpeg.resize(kMostTextureBytes + 1); });
   EXPECT_NE(refusal(wall).find("at most"), std::string::npos) << refusal(wall);
 }

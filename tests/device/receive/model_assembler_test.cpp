@@ -181,6 +181,19 @@ TEST_F(ModelAssemblerTest, APayloadOfALaterRevisionWaitsForItsManifest) {
   EXPECT_NE(assembler_.add(samples({}, manifest_of(1, 3, {a_, c}))), nullptr);
 }
 
+TEST_F(ModelAssemblerTest, PendingTexturesCountAsTheirJpegs) {
+  const Submesh wall = textured_wall();
+  const std::size_t kept = wall.geometry_bytes() + wall.texture->jpeg.size();
+  ASSERT_LT(kept, wall.raw_bytes());
+  const auto payload = payload_of(3, wall, 1, 1);
+  ModelAssembler large_enough{kept};
+  EXPECT_EQ(large_enough.add(samples({payload})), nullptr);
+  EXPECT_NE(large_enough.add(samples({}, manifest_of(1, 1, {payload}))), nullptr);
+  ModelAssembler too_small{kept - 1};
+  EXPECT_EQ(too_small.add(samples({payload})), nullptr);
+  EXPECT_EQ(too_small.add(samples({}, manifest_of(1, 1, {payload}))), nullptr);
+}
+
 TEST_F(ModelAssemblerTest, PendingPayloadsAreBoundedAndTheOldestGoFirst) {
   const std::size_t one = must(decode(a_.bytes)).raw_bytes();
   ModelAssembler small{3 * one};

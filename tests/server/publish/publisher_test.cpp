@@ -9,6 +9,7 @@
 #include "common/base/clock.h"
 #include "common/codec/mesh_codec.h"
 #include "common/mesh/lattice.h"
+#include "textured_wall.h"
 
 namespace meshloop {
 namespace {
@@ -208,6 +209,32 @@ TEST_F(PublisherTest, ANodeThatIsTooLargeIsRefusedBeforeAnythingIsSent) {
   EXPECT_THAT(report.error().message, HasSubstr("'noise'"));
   EXPECT_THAT(report.error().message, HasSubstr("split it"));
   EXPECT_THAT(sent_.order, ElementsAre());
+}
+
+/// As many triangles as a node of new surface or of an import may have, their noise larger than any sensor's, and as
+/// much of a picture as a texture may be.
+TEST_F(PublisherTest, TheLargestTextureFitsWithTheMostTriangles) {
+  Submesh patch = grid(173, 1);
+  ASSERT_NEAR(static_cast<double>(patch.triangles.size()), 60'000, 200);
+  unsigned seed = 1;
+  for (auto& position : patch.positions) {
+    for (auto& coordinate : position) {
+      seed = seed * 1664525u + 1013904223u;
+      coordinate += kLatticeSpacing_m * static_cast<float>(seed >> 24);
+    }
+    position.z() += 1;
+  }
+  // What follows a JPEG's end is no part of its picture.
+  auto jpeg = test::textured_wall().texture->jpeg;
+  jpeg.resize(kMostTextureBytes);
+  TextureProjection projection = TextureProjection::Zero();
+  projection.leftCols<3>().setIdentity();
+  patch.texture = make_projected_texture(std::move(jpeg), projection).value();
+  auto publisher = make_publisher();
+  const auto report = publisher.publish(model_of(1, {make_node(1, "patch", std::move(patch))}), 0);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_LE(report->bytes, kMaxPayloadBytes);
+  std::printf("%zu bytes beside the texture\n", report->bytes - kMostTextureBytes);
 }
 
 TEST_F(PublisherTest, RefusesWhatIsNoModel) {
