@@ -10,10 +10,10 @@ import programs
 
 STATION = programs.STATION
 folder, path = programs.work_folder()
-made = programs.run(STATION, "simulate", "--out", path / "data", "--noise", 0, "--station-frames", 36, "--device-frames", 2, timeout=400)
+made = programs.run(STATION, "simulate", "--out", path / "data", "--noise", 0, "--station-frames", 120, "--device-frames", 2, timeout=400)
 programs.check(made.returncode == 0, "simulated data " + made.stderr)
 data = path / "data"
-FIRST, LATER, MOVED = 6, 11, 18  # frames: two before the box is moved by 2 cm, and one after
+FIRST, LATER, MOVED = 22, 37, 60  # frames: two before the box is moved by 2 cm, and one after
 
 
 def new_scene(name):
