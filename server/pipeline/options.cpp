@@ -78,12 +78,19 @@ void SurfaceArguments::add_to(CLI::App& command) {
                   "it has; off: as a colour for each corner of a triangle")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
+  command
+      .add_option("--stitch", stitch,
+                  "on: new surface ends in the same vertices as the surface that it continues (more bytes); off: it "
+                  "overlaps that by a pixel")
+      ->check(CLI::IsMember({"on", "off"}))
+      ->capture_default_str();
 }
 
 AdjustOptions SurfaceArguments::adjust_options() const {
   AdjustOptions options;
   options.decimate_sigmas = decimate_sigmas;
   options.texture = texture == "on";
+  options.stitch = stitch == "on";
   return options;
 }
 

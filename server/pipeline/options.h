@@ -42,12 +42,13 @@ struct OperatorArguments {
   void add_to(CLI::App& command);
 };
 
-/// `[--fuse N] [--decimate SIGMAS] [--texture on|off]`: how new surface is made.
+/// `[--fuse N] [--decimate SIGMAS] [--texture on|off] [--stitch on|off]`: how new surface is made.
 struct SurfaceArguments {
   /// Frames of a snapshot.
   int fuse = 1;
   double decimate_sigmas = 0;
   std::string texture = "off";
+  std::string stitch = "off";
 
   void add_to(CLI::App& command);
   [[nodiscard]] AdjustOptions adjust_options() const;
