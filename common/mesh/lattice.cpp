@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -86,16 +87,19 @@ std::map<Edge, std::uint32_t> by_longest_edge(const Submesh& submesh, const std:
 // edge would meet two shorter ones: so it is flipped with the triangle at that edge, and both have area. Triangles with
 // two corners in one place leave nothing open. Returns which are flat now.
 std::vector<std::uint32_t> flip_flat_triangles(Submesh& submesh, const std::vector<std::uint32_t>& flat) {
-  auto flat_at = by_longest_edge(submesh, flat);
+  const auto flat_at = by_longest_edge(submesh, flat);
   std::vector<std::uint8_t> begins_edge(submesh.positions.size(), 0);
   for (const auto& [edge, t] : flat_at) begins_edge[edge.first] = 1;
   std::vector<std::uint32_t> looked_at = flat;
+  std::set<std::uint32_t> changed;
   for (std::uint32_t u = 0; u < submesh.triangles.size(); ++u) {
     for (std::size_t k = 0; k < 3; ++k) {
       if (begins_edge[submesh.triangles[u][k]] == 0) continue;
       const Edge edge{submesh.triangles[u][k], submesh.triangles[u][(k + 1) % 3]};
       const auto found = flat_at.find(edge);
-      if (found == flat_at.end() || found->second == u) continue;
+      // What has changed already no longer has the edges that it was found by; the next round looks again.
+      if (found == flat_at.end() || found->second == u || changed.contains(u) || changed.contains(found->second))
+        continue;
       const auto opposite = submesh.triangles[u][(k + 2) % 3];
       auto& other = submesh.triangles[found->second];
       const auto middle = *std::find_if(other.begin(), other.end(),
@@ -103,7 +107,7 @@ std::vector<std::uint32_t> flip_flat_triangles(Submesh& submesh, const std::vect
       other = {edge.first, middle, opposite};
       submesh.triangles[u] = {middle, edge.second, opposite};
       looked_at.push_back(u);
-      flat_at.erase(found);
+      changed.insert({u, found->second});
       break;
     }
   }
