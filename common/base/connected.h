@@ -13,6 +13,11 @@ class Connected {
  public:
   explicit Connected(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0U); }
 
+  /// One more thing that stands for itself; its number.
+  std::uint32_t add() {
+    parent_.push_back(static_cast<std::uint32_t>(parent_.size()));
+    return parent_.back();
+  }
   void join(std::uint32_t a, std::uint32_t b) {
     a = first_of(a);
     b = first_of(b);

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "common/base/connected.h"
+
 namespace meshloop::adjust {
 namespace {
 
@@ -183,17 +185,19 @@ class Pieces {
     for (std::size_t i = 0; i + width_ + 1 < mesh.blocks.size(); ++i) {
       if (mesh.blocks[i] != 0) add(i, mesh.blocks[i]);
     }
-    for (std::uint32_t n = 1; n < first_.size(); ++n) {
-      const auto first = first_of(n);
+    for (std::uint32_t n = 1; n < triangles_.size(); ++n) {
+      const auto first = connected_.first_of(n);
       if (first != n) triangles_[first] += triangles_[n];
     }
   }
 
   /// Of the patch that has this pixel as a corner.
-  [[nodiscard]] std::uint32_t triangles_at(std::size_t pixel) { return triangles_[first_of(number_[pixel])]; }
+  [[nodiscard]] std::uint32_t triangles_at(std::size_t pixel) {
+    return triangles_[connected_.first_of(number_[pixel])];
+  }
   [[nodiscard]] std::uint32_t fewest_triangles() {
     std::uint32_t fewest = ~0U;
-    for (std::uint32_t n = 1; n < first_.size(); ++n) fewest = std::min(fewest, triangles_[first_of(n)]);
+    for (std::uint32_t n = 1; n < triangles_.size(); ++n) fewest = std::min(fewest, triangles_[connected_.first_of(n)]);
     return fewest;
   }
 
@@ -210,33 +214,22 @@ class Pieces {
     const std::array<std::uint32_t*, 4> corners{top, top + 1, bottom, bottom + 1};
     std::uint32_t number = 0;
     for (std::size_t c = 0; c < 4; ++c) {
-      if (has_corner(block, c) && *corners[c] != 0) number = number == 0 ? *corners[c] : join(number, *corners[c]);
+      if (!has_corner(block, c) || *corners[c] == 0) continue;
+      if (number != 0) connected_.join(number, *corners[c]);
+      number = connected_.first_of(*corners[c]);
     }
-    if (number == 0) number = next();
+    if (number == 0) {
+      number = connected_.add();
+      triangles_.push_back(0);
+    }
     for (std::size_t c = 0; c < 4; ++c) {
       if (has_corner(block, c)) *corners[c] = number;
     }
     triangles_[number] += count;
   }
-  std::uint32_t next() {
-    first_.push_back(static_cast<std::uint32_t>(first_.size()));
-    triangles_.push_back(0);
-    return first_.back();
-  }
-  std::uint32_t first_of(std::uint32_t n) {
-    while (first_[n] != n) n = first_[n] = first_[first_[n]];
-    return n;
-  }
-  std::uint32_t join(std::uint32_t a, std::uint32_t b) {
-    a = first_of(a);
-    b = first_of(b);
-    first_[std::max(a, b)] = std::min(a, b);
-    return std::min(a, b);
-  }
-
   std::size_t width_;
   std::vector<std::uint32_t> number_;
-  std::vector<std::uint32_t> first_{0};
+  Connected connected_{1};
   std::vector<std::uint32_t> triangles_{0};
 };
 
