@@ -7,6 +7,7 @@
 
 #include "common/simulation/scene.h"
 #include "common/simulation/sensor.h"
+#include "snapshot_of.h"
 
 namespace meshloop::boxes {
 namespace {
@@ -186,15 +187,7 @@ Submesh tessellate(const Box& box) {
 }
 
 Snapshot World::snapshot() const {
-  Snapshot snapshot;
-  snapshot.model = &model;
-  snapshot.frame = &frame;
-  snapshot.rig = &rig;
-  snapshot.depth_pose.state = TrackState::tracking;
-  snapshot.depth_pose.T_camera_world = T_depth_world;
-  snapshot.comparison = &comparison;
-  snapshot.regions = &regions;
-  return snapshot;
+  return test::snapshot_of(*this);
 }
 
 Region World::region(ChangeKind kind) const {

@@ -9,6 +9,7 @@
 #include "kinect_camera.h"
 #include "server/compare/comparator.h"
 #include "server/compare/region_tracker.h"
+#include "snapshot_of.h"
 
 namespace meshloop::moved_things {
 namespace {
@@ -70,15 +71,7 @@ Comparison compare(const World& world, const Scene& before) {
 }  // namespace
 
 Snapshot World::snapshot() const {
-  Snapshot snapshot;
-  snapshot.model = &model;
-  snapshot.frame = &frame;
-  snapshot.rig = &rig;
-  snapshot.depth_pose.state = TrackState::tracking;
-  snapshot.depth_pose.T_camera_world = T_depth_world;
-  snapshot.comparison = &comparison;
-  snapshot.regions = &regions;
-  return snapshot;
+  return test::snapshot_of(*this);
 }
 
 std::unique_ptr<World> look(const Scene& before, const Scene& after, const View& view) {

@@ -13,6 +13,7 @@
 #include "server/adjust/proposal.h"
 #include "server/compare/comparator.h"
 #include "server/compare/region_tracker.h"
+#include "snapshot_of.h"
 
 namespace meshloop {
 namespace {
@@ -109,17 +110,7 @@ struct Capture {
     settle_labels(comparison, regions);
   }
 
-  [[nodiscard]] Snapshot snapshot() const {
-    Snapshot snapshot;
-    snapshot.model = &model;
-    snapshot.frame = &frame;
-    snapshot.rig = &rig;
-    snapshot.depth_pose.state = TrackState::tracking;
-    snapshot.depth_pose.T_camera_world = T_depth_world;
-    snapshot.comparison = &comparison;
-    snapshot.regions = &regions;
-    return snapshot;
-  }
+  [[nodiscard]] Snapshot snapshot() const { return test::snapshot_of(*this); }
   [[nodiscard]] Model adjusted(const AdjustOptions& options) const {
     const auto merged = merge_edits(model, propose(snapshot(), 10 * (model.nodes.size() + 1), options));
     return *apply(model, merged->edits, model.revision + 1);
