@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "common/base/median.h"
+
 namespace meshloop {
 
 std::array<std::size_t, kLabels.size()> Comparison::counts() const {
@@ -20,10 +22,9 @@ std::optional<double> Comparison::smallest_change_m() const {
     if (!std::isnan(difference_m.data()[i])) thresholds.push_back(threshold_m.data()[i]);
   }
   if (thresholds.empty()) return std::nullopt;
-  const auto middle = thresholds.begin() + static_cast<std::ptrdiff_t>(thresholds.size() / 2);
-  std::nth_element(thresholds.begin(), middle, thresholds.end());
-  if (!std::isfinite(*middle)) return std::nullopt;
-  return static_cast<double>(*middle);
+  const float middle = median(std::move(thresholds));
+  if (!std::isfinite(middle)) return std::nullopt;
+  return static_cast<double>(middle);
 }
 
 }  // namespace meshloop

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/base/median.h"
+
 namespace meshloop {
 namespace {
 
@@ -43,12 +45,6 @@ Errors errors_of(const std::vector<PointObservation>& points, const Camera& came
     errors.normalised.push_back(error / point.sigma_px);
   }
   return errors;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // How much larger than stated the noise is, from the median length of the residuals below the gate; at least 1.

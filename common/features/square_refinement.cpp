@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "common/base/median.h"
+
 namespace meshloop {
 namespace {
 
@@ -72,9 +74,7 @@ Line fit_line_robustly(std::vector<Eigen::Vector2d> points) {
   const Line first = fit_line(points);
   std::vector<double> distances;
   for (const Eigen::Vector2d& p : points) distances.push_back(first.absDistance(p));
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  const double limit = 3 * *middle + 0.02;
+  const double limit = 3 * median(std::move(distances)) + 0.02;
   std::erase_if(points, [&](const Eigen::Vector2d& p) { return first.absDistance(p) > limit; });
   return fit_line(points);
 }

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <vector>
 
+#include "common/base/median.h"
+
 namespace meshloop {
 namespace {
 
@@ -30,9 +32,7 @@ double median_depth_m(const DepthImage& depth) {
     }
   }
   if (depths.empty()) return 0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return static_cast<double>(*middle);
+  return static_cast<double>(median(std::move(depths)));
 }
 
 /// How fast what the camera sees at this depth moves in its frame, in the middle of the picture, m/s.

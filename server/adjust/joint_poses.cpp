@@ -11,6 +11,7 @@
 #include <numbers>
 #include <utility>
 
+#include "common/base/median.h"
 #include "server/adjust/expected_planes.h"
 #include "server/adjust/flat_blocks.h"
 #include "server/adjust/pose_factors.h"
@@ -139,9 +140,7 @@ class Joint {
     std::vector<double> depths;
     for (const auto& block : blocks_.front().all()) depths.push_back(block.point.z());
     if (depths.empty()) return 1;
-    const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-    std::nth_element(depths.begin(), middle, depths.end());
-    return *middle;
+    return median(std::move(depths));
   }
 
   [[nodiscard]] Pose relative(const Pair& pair, const std::vector<Pose>& poses) const {

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "common/base/median.h"
 #include "common/mesh/lattice.h"
 #include "server/adjust/decimate.h"
 #include "server/adjust/depth_grid.h"
@@ -105,9 +106,7 @@ float median_over(const GridVertices& vertices, const std::vector<float>& values
   std::vector<float> some;
   some.reserve(kEnough);
   for (std::size_t n = 0; n < vertices.pixels.size(); n += step) some.push_back(values[vertices.pixels[n]]);
-  const auto middle = some.begin() + static_cast<std::ptrdiff_t>(some.size() / 2);
-  std::nth_element(some.begin(), middle, some.end());
-  return *middle;
+  return median(std::move(some));
 }
 
 /// Of the measurements behind a patch's vertices; there must be some.

@@ -11,6 +11,7 @@
 #include <numbers>
 #include <vector>
 
+#include "common/base/median.h"
 #include "server/adjust/expected_planes.h"
 
 namespace meshloop {
@@ -182,9 +183,7 @@ double root_mean_square(const Fit& fit) {
 double median_depth(const std::vector<Measured>& points) {
   std::vector<double> depths;
   for (const auto& measured : points) depths.push_back(measured.point.z());
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return median(std::move(depths));
 }
 
 std::optional<std::string> reason_to_refuse(const Fit& before, const Fit& after, const Twist& correction,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/median.h"
 #include "server/adjust/depth_buffer.h"
 #include "server/adjust/visible_surface.h"
 
@@ -46,11 +47,8 @@ Eigen::Vector3d normal_of(const Submesh& submesh, std::uint32_t t) {
   return (p[b] - p[a]).cast<double>().cross((p[c] - p[a]).cast<double>());
 }
 
-double median_of(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+double median_or_zero(std::vector<double> values) {
+  return values.empty() ? 0 : median(std::move(values));
 }
 
 /// What one look collects over several nodes.
@@ -106,8 +104,8 @@ SeeThrough look_through(const Snapshot& snapshot, const std::vector<Removal>& re
     const auto node = std::find_if(nodes.begin(), nodes.end(), [&](const Node& n) { return n.id == removal.node; });
     if (node != nodes.end()) look.at_node(static_cast<std::size_t>(node - nodes.begin()), removal);
   }
-  look.sum.behind_m = median_of(look.behind_m);
-  look.sum.behind_sigmas = median_of(look.behind_sigmas);
+  look.sum.behind_m = median_or_zero(look.behind_m);
+  look.sum.behind_sigmas = median_or_zero(look.behind_sigmas);
   return look.sum;
 }
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/median.h"
+
 namespace meshloop {
 namespace {
 
@@ -35,9 +37,7 @@ double median_ratio(const Image<noise::PixelNoise>& pixels, const Image<std::uin
     }
   }
   if (ratios.empty()) return 1;
-  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
-  std::nth_element(ratios.begin(), middle, ratios.end());
-  return static_cast<double>(*middle);
+  return static_cast<double>(median(std::move(ratios)));
 }
 
 }  // namespace

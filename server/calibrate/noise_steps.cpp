@@ -5,6 +5,8 @@
 #include <numbers>
 #include <optional>
 
+#include "common/base/median.h"
+
 #include "server/calibrate/noise_measurement.h"
 
 namespace meshloop::noise {
@@ -44,9 +46,7 @@ double step_of(std::vector<float> depths) {
     if (depths[i] > depths[i - 1]) gaps.push_back(depths[i] - depths[i - 1]);
   }
   if (gaps.size() < 2) return 0;
-  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
-  std::nth_element(gaps.begin(), middle, gaps.end());
-  return static_cast<double>(*middle);
+  return static_cast<double>(median(std::move(gaps)));
 }
 
 // Where a depth edge lies between the pixels u and u + 1: the depth in the middle between its two sides, which are
