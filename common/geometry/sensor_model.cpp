@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/base/target_clones.h"
+
 namespace meshloop {
 namespace {
 
@@ -107,6 +109,29 @@ std::string SensorModel::name() const {
       break;
   }
   return "constant";
+}
+
+namespace {
+
+MESHLOOP_TARGET_CLONES
+void axial_sigmas(const SensorNoise& noise, const float* z_m, std::size_t count, float* sigmas_m) {
+  const double c0 = noise.axial[0];
+  const double c1 = noise.axial[1];
+  const double c2 = noise.axial[2];
+  const double nearest_m = noise.nearest_m;
+  const double farthest_m = noise.farthest_m;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double z = z_m[i];
+    const double beyond = std::max(1.0, z / farthest_m);
+    const double within = std::min(std::max(z, nearest_m), farthest_m);
+    sigmas_m[i] = static_cast<float>((c0 + within * (c1 + within * c2)) * beyond * beyond);
+  }
+}
+
+}  // namespace
+
+void SensorModel::frontal_sigmas_m(std::span<const float> z_m, std::span<float> sigmas_m) const {
+  axial_sigmas(noise_, z_m.data(), z_m.size(), sigmas_m.data());
 }
 
 double SensorModel::sigma_z_m(double z, double theta) const {

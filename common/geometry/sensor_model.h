@@ -1,6 +1,7 @@
 #pragma once
 // Noise of depth sensors: the standard deviation of one measurement along the optical axis, in metres.
 #include <Eigen/Core>
+#include <span>
 #include <string>
 
 #include "common/base/result.h"
@@ -46,6 +47,8 @@ class SensorModel {
   /// kinect1: Nguyen, Izadi, Lovell 2012, equations 3 to 5. kinect1-khoshelham: Khoshelham, Elberink 2012, section
   /// 3.2. tof: 1 % of the distance.
   [[nodiscard]] double sigma_z_m(double z_m, double theta) const;
+  /// The same for surfaces seen frontally, many at once; as many sigmas as depths.
+  void frontal_sigmas_m(std::span<const float> z_m, std::span<float> sigmas_m) const;
   /// Variance of the mean of `frames` measurements at rest: the noise becomes less, the share of the quantisation does
   /// not, since a pixel at rest may deliver the same step each time. One frame has sigma_z_m squared.
   [[nodiscard]] double variance_m2(double z_m, double theta, int frames) const;

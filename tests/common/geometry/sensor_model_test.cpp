@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 namespace meshloop {
 namespace {
@@ -79,6 +80,18 @@ TEST(SensorModel, AveragingDividesTheNoiseAndNotTheSteps) {
   EXPECT_NEAR(named("tof").variance_m2(2, 0, 4), 0.01 * 0.01, 1e-15);
   // Never more than the sensor's own sigma, also where its steps are coarse.
   EXPECT_LE(kinect.variance_m2(20, 0, 100), kinect.sigma_z_m(20, 0) * kinect.sigma_z_m(20, 0));
+}
+
+TEST(SensorModel, ManyFrontalSigmasAreWhatEachIs) {
+  std::vector<float> depths;
+  for (int i = 0; i < 1000; ++i) depths.push_back(0.1F + 0.02F * static_cast<float>(i));
+  for (const auto kind : {SensorModel::Kind::kinect1, SensorModel::Kind::kinect1_khoshelham, SensorModel::Kind::tof}) {
+    const SensorModel model{kind};
+    std::vector<float> sigmas(depths.size());
+    model.frontal_sigmas_m(depths, sigmas);
+    for (std::size_t i = 0; i < depths.size(); ++i)
+      EXPECT_FLOAT_EQ(sigmas[i], static_cast<float>(model.sigma_z_m(depths[i], 0))) << depths[i];
+  }
 }
 
 TEST(SensorModel, NamesLeadBackToTheModel) {
