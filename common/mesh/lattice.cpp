@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/target_clones.h"
+
 namespace meshloop {
 namespace {
 
@@ -17,7 +19,8 @@ namespace {
 float nearest_whole(float value) {
   constexpr float kNoFraction = 8'388'608;  // 2^23
   const float size = std::abs(value);
-  return size < kNoFraction ? std::copysign((size + kNoFraction) - kNoFraction, value) : value;
+  const float added = size < kNoFraction ? kNoFraction : 0.0f;
+  return std::copysign((size + added) - added, value);
 }
 
 // The spacing is a power of two, so its inverse is exact. Adding zero makes -0 to 0: the two compare equal, but would
@@ -31,10 +34,14 @@ Eigen::Vector3f snapped(const Eigen::Vector3f& p, float spacing_m) {
 }
 
 // As one row of numbers, several of which are rounded at once.
-void snap(std::vector<Eigen::Vector3f>& positions, float spacing_m) {
+MESHLOOP_TARGET_CLONES
+void snap(float* values, std::size_t count, float spacing_m) {
   const float per_spacing = 1 / spacing_m;
-  float* values = positions.empty() ? nullptr : positions.front().data();
-  for (std::size_t i = 0; i < 3 * positions.size(); ++i) values[i] = snapped(values[i], spacing_m, per_spacing);
+  for (std::size_t i = 0; i < count; ++i) values[i] = snapped(values[i], spacing_m, per_spacing);
+}
+
+void snap(std::vector<Eigen::Vector3f>& positions, float spacing_m) {
+  if (!positions.empty()) snap(positions.front().data(), 3 * positions.size(), spacing_m);
 }
 
 bool same_bits(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
@@ -48,20 +55,22 @@ bool is_on_lattice_of(const Submesh& submesh, int coarsening) {
                      [=](const Eigen::Vector3f& p) { return same_bits(snapped(p, spacing_m), p); });
 }
 
-bool every_vertex_is_used(const Submesh& submesh) {
-  std::vector<std::uint8_t> used(submesh.positions.size(), 0);
-  for (const auto& triangle : submesh.triangles) {
-    for (const auto index : triangle) used[index] = 1;
-  }
-  return std::find(used.begin(), used.end(), std::uint8_t{0}) == used.end();
-}
+struct Faults {
+  std::vector<std::uint32_t> flat_triangles;
+  bool has_unused_vertices = false;
+};
 
-std::vector<std::uint32_t> flat_triangles(const Submesh& submesh) {
-  std::vector<std::uint32_t> flat;
+Faults faults_of(const Submesh& submesh) {
+  Faults faults;
+  std::vector<std::uint8_t> used(submesh.positions.size(), 0);
+  std::uint8_t* is_used = used.data();
   for (std::uint32_t t = 0; t < submesh.triangles.size(); ++t) {
-    if (!has_area(submesh, submesh.triangles[t])) flat.push_back(t);
+    const Triangle triangle = submesh.triangles[t];
+    if (!has_area(submesh, triangle)) faults.flat_triangles.push_back(t);
+    for (const auto index : triangle) is_used[index] = 1;
   }
-  return flat;
+  faults.has_unused_vertices = std::find(used.begin(), used.end(), std::uint8_t{0}) != used.end();
+  return faults;
 }
 
 constexpr int kFlips = 4;
@@ -88,6 +97,7 @@ std::map<Edge, std::uint32_t> by_longest_edge(const Submesh& submesh, const std:
 // two corners in one place leave nothing open. Returns which are flat now.
 std::vector<std::uint32_t> flip_flat_triangles(Submesh& submesh, const std::vector<std::uint32_t>& flat) {
   const auto flat_at = by_longest_edge(submesh, flat);
+  if (flat_at.empty()) return flat;
   std::vector<std::uint8_t> begins_edge(submesh.positions.size(), 0);
   for (const auto& [edge, t] : flat_at) begins_edge[edge.first] = 1;
   std::vector<std::uint32_t> looked_at = flat;
@@ -136,13 +146,17 @@ int coarsening_of(const Submesh& submesh) {
 Submesh snap_to_lattice(Submesh submesh, int coarsening) {
   const float spacing_m = kLatticeSpacing_m * static_cast<float>(coarsening);
   snap(submesh.positions, spacing_m);
-  auto flat = flat_triangles(submesh);
-  if (flat.empty() && every_vertex_is_used(submesh)) return submesh;
+  auto [flat, has_unused_vertices] = faults_of(submesh);
+  if (flat.empty() && !has_unused_vertices) return submesh;
   // What a flat triangle is flipped with may itself have been flat.
-  for (int i = 0; i < kFlips && !flat.empty(); ++i) flat = flip_flat_triangles(submesh, flat);
+  for (int i = 0; i < kFlips; ++i) {
+    auto still_flat = flip_flat_triangles(submesh, flat);
+    if (still_flat == flat) break;
+    flat = std::move(still_flat);
+  }
   std::vector<bool> keep(submesh.triangles.size(), true);
   for (const auto t : flat) keep[t] = false;
-  return keep_triangles(submesh, keep);
+  return keep_triangles(std::move(submesh), keep);
 }
 
 }  // namespace meshloop

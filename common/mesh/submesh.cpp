@@ -92,30 +92,31 @@ bool has_area_exactly(const Submesh& submesh, const Triangle& triangle) {
 
 }  // namespace detail
 
-Submesh keep_triangles(const Submesh& submesh, const std::vector<bool>& keep) {
+Submesh keep_triangles(Submesh submesh, const std::vector<bool>& keep) {
   constexpr auto kUnused = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> new_index(submesh.positions.size(), kUnused);
-  for (std::size_t t = 0; t < submesh.triangles.size(); ++t) {
-    if (!keep[t]) continue;
-    for (const auto index : submesh.triangles[t]) new_index[index] = 0;
+  auto& [positions, colors, triangles, texture] = submesh;
+  std::size_t count = 0;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (keep[t]) triangles[count++] = triangles[t];
   }
-  Submesh kept;
-  kept.positions.reserve(submesh.positions.size());
-  kept.colors.reserve(submesh.colors.size());
-  kept.triangles.reserve(submesh.triangles.size());
+  triangles.resize(count);
+  std::vector<std::uint32_t> new_index(positions.size(), kUnused);
+  for (const auto& triangle : triangles) {
+    for (const auto index : triangle) new_index[index] = 0;
+  }
+  std::uint32_t next = 0;
   for (std::size_t i = 0; i < new_index.size(); ++i) {
     if (new_index[i] == kUnused) continue;
-    new_index[i] = static_cast<std::uint32_t>(kept.positions.size());
-    kept.positions.push_back(submesh.positions[i]);
-    if (submesh.has_colors()) kept.colors.push_back(submesh.colors[i]);
+    positions[next] = positions[i];
+    if (!colors.empty()) colors[next] = colors[i];
+    new_index[i] = next++;
   }
-  for (std::size_t t = 0; t < submesh.triangles.size(); ++t) {
-    if (!keep[t]) continue;
-    const auto& [a, b, c] = submesh.triangles[t];
-    kept.triangles.push_back({new_index[a], new_index[b], new_index[c]});
+  positions.resize(next);
+  if (!colors.empty()) colors.resize(next);
+  for (auto& triangle : triangles) {
+    for (auto& index : triangle) index = new_index[index];
   }
-  kept.texture = submesh.texture;
-  return kept;
+  return submesh;
 }
 
 Result<std::vector<Rgb8>> vertex_colors(const Submesh& submesh) {

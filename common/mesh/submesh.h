@@ -69,7 +69,7 @@ namespace detail {
 
 /// The submesh with only the triangles for which keep[t] is true; vertices that nothing uses are dropped, the others
 /// keep their order and their exact bits. A texture is shared.
-[[nodiscard]] Submesh keep_triangles(const Submesh& submesh, const std::vector<bool>& keep);
+[[nodiscard]] Submesh keep_triangles(Submesh submesh, const std::vector<bool>& keep);
 
 /// The colours of the vertices: their own, or the texture's where they lie; none where the submesh has neither. A
 /// texture that cannot be decoded is an error.
