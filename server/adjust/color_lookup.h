@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "server/adjust/color_projection.h"
 #include "server/adjust/proposal.h"
 
 namespace meshloop::adjust {
@@ -34,43 +35,15 @@ class ColorLookup {
                                          std::span<const float> sigmas_m) const;
 
  private:
-  /// In cells of the buffer, and metres along the colour camera's axis; of one row of the depth image.
-  struct Places {
-    float* u;
-    float* v;
-    float* z;
-  };
-  void project_row(const DepthImage& measured, int y, const Camera& depth, const Places& places) const;
   void draw(const DepthImage& measured, const Camera& depth);
-  /// What a look at one point needs, in single precision. Copied to where many points are looked up: a copy cannot be
-  /// what the colours are written to, so that it need not be read again for each point.
-  struct View {
-    Eigen::Matrix3f R_color_depth;
-    Eigen::Vector3f t_color_depth;
-    Eigen::Vector2f focal_px;
-    Eigen::Vector2f centre_px;
-    /// Cells of the depth buffer per pixel, and their number.
-    float scale = 1;
-    int columns = 0;
-    int rows = 0;
-    float step_per_m = 0;
-    const float* nearest = nullptr;
-    const Rgb8* color = nullptr;
-    int width = 0;
-    int height = 0;
-
-    /// The pixel of the colour image that shows a point, which nothing hides.
-    [[nodiscard]] std::optional<Eigen::Vector2f> seen_at(const Eigen::Vector3f& p_depth, float sigma_m) const;
-    [[nodiscard]] Rgb8 bilinear(float u, float v) const;
-  };
-  [[nodiscard]] View view() const;
+  /// For up to kPointsAtOnce points: 1 where the colour camera sees one, which nothing hides.
+  void look(std::span<const Eigen::Vector3f> points_depth, std::span<const float> sigmas_m, ProjectedPoints& projected,
+            std::uint8_t* seen) const;
+  /// The pixel of the colour image that shows a point.
+  [[nodiscard]] std::optional<Eigen::Vector2f> seen_at(const Eigen::Vector3f& p_depth, float sigma_m) const;
 
   const ColorImage* color_;
-  Camera camera_;
-  Eigen::Matrix3f R_color_depth_;
-  Eigen::Vector3f t_color_depth_;
-  /// Cells of the buffer per pixel of the colour image: a cell is about as wide as a depth pixel.
-  float scale_ = 1;
+  ColorView view_;
   float step_per_m_ = 0;
   DepthImage nearest_;
 };

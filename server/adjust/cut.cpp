@@ -117,7 +117,8 @@ class Cutter {
     result_.added = filling.size();
     auto& triangles = result_.submesh.triangles;
     triangles.insert(triangles.end(), filling.begin(), filling.end());
-    result_.submesh = keep_triangles(result_.submesh, std::vector<bool>(triangles.size(), true));
+    const std::vector<bool> all(triangles.size(), true);
+    result_.submesh = keep_triangles(std::move(result_.submesh), all);
     return std::move(result_);
   }
 

@@ -34,7 +34,8 @@ Submesh decimate(const Submesh& submesh, double error_m, double error_levels, Bo
                        positions, relief.size(), sizeof(Eigen::Vector3f), 0, static_cast<float>(error_m) / scale,
                        border == Border::kept ? meshopt_SimplifyLockBorder : 0, nullptr);
   result.triangles.resize(kept / 3);
-  return keep_triangles(result, std::vector<bool>(result.triangles.size(), true));
+  const std::vector<bool> all(result.triangles.size(), true);
+  return keep_triangles(std::move(result), all);
 }
 
 }  // namespace meshloop::adjust

@@ -1,10 +1,11 @@
 #include "server/adjust/depth_grid.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
+
+#include "common/base/target_clones.h"
 
 namespace meshloop::adjust {
 namespace {
@@ -59,14 +60,8 @@ void mark_rim(DepthGrid& grid, const Comparison& comparison, const DepthImage& m
   }
 }
 
-/// Standard deviation of a depth of so many measurements, frontal view, in metres.
-float sigma_of_mean_m(const SensorModel& sensor, float z, int measurements) {
-  const auto depth = static_cast<double>(z);
-  if (measurements <= 1) return static_cast<float>(sensor.sigma_z_m(depth, 0));
-  return static_cast<float>(std::sqrt(sensor.variance_m2(depth, 0, measurements)));
-}
-
-void set_noise(DepthGrid& grid, const Image<std::uint8_t>& measurements, const SensorModel& sensor) {
+// Where a depth is the mean of several measurements its noise is less.
+void use_means(DepthGrid& grid, const Image<std::uint8_t>& measurements, const SensorModel& sensor) {
   std::size_t members = 0;
   double inverse_counts = 0;
   const int w = grid.window.width();
@@ -74,30 +69,28 @@ void set_noise(DepthGrid& grid, const Image<std::uint8_t>& measurements, const S
     if (grid.role[i] == Role::outside) continue;
     const int x = static_cast<int>(i) % w + grid.window.x0;
     const int y = static_cast<int>(i) / w + grid.window.y0;
-    const int count = measurements.empty() ? 1 : std::max<int>(measurements(x, y), 1);
-    grid.sigma[i] = sigma_of_mean_m(sensor, grid.z[i], count);
+    const int count = std::max<int>(measurements(x, y), 1);
+    if (count > 1) grid.sigma[i] = static_cast<float>(std::sqrt(sensor.variance_m2(grid.z[i], 0, count)));
     if (grid.role[i] != Role::member) continue;
     ++members;
     inverse_counts += 1.0 / count;
   }
-  const double share = members == 0 ? 1 : inverse_counts / static_cast<double>(members);
-  grid.lateral_px = sensor.sigma_lateral_px(0) * std::sqrt(share);
+  if (members > 0) grid.lateral_px *= std::sqrt(inverse_counts / static_cast<double>(members));
+}
+
+void set_noise(DepthGrid& grid, const Image<std::uint8_t>& measurements, const SensorModel& sensor) {
+  sensor.frontal_sigmas_m(grid.z, grid.sigma);
+  for (std::size_t i = 0; i < grid.sigma.size(); ++i)
+    grid.sigma[i] = grid.role[i] == Role::outside ? 0.0f : grid.sigma[i];
+  grid.lateral_px = sensor.sigma_lateral_px(0);
+  if (!measurements.empty()) use_means(grid, measurements, sensor);
 }
 
 constexpr int kRadius = 2;
 constexpr float kCut_sigmas = 5;
-/// So many pixels of a row are smoothed at once: their sums stay in registers.
-constexpr int kAtOnce = 8;
-using Few = Eigen::Array<float, kAtOnce, 1>;
-
-// Whole steps of kAtOnce, so that the last ones of a row have something to read too.
-int padded_width(const Window& window) {
-  return (window.width() + kAtOnce - 1) / kAtOnce * kAtOnce + 2 * kRadius;
-}
-
 // The window with kRadius more pixels to each side, 0 outside the image.
 std::vector<float> padded_copy(const DepthImage& measured, const Window& window) {
-  const int w = padded_width(window);
+  const int w = window.width() + 2 * kRadius;
   std::vector<float> copy(static_cast<std::size_t>(w) * static_cast<std::size_t>(window.height() + 2 * kRadius), 0.0f);
   const int first = std::max(window.x0 - kRadius, 0);
   const int last = std::min(window.x1 + kRadius, measured.width());
@@ -110,31 +103,66 @@ std::vector<float> padded_copy(const DepthImage& measured, const Window& window)
 }
 
 /// Weights of the pixels of the 5x5 window, by row.
-std::array<float, 25> spatial_weights() {
+constexpr std::size_t kWidth = 2 * kRadius + 1;
+using RowWeights = std::array<float, kWidth>;
+
+std::array<RowWeights, kWidth> spatial_weights() {
   constexpr float kSigma_px = 1.2f;
-  std::array<float, 25> weights{};
-  for (int i = 0; i < 25; ++i) {
-    const int dx = i % 5 - kRadius;
-    const int dy = i / 5 - kRadius;
-    weights[static_cast<std::size_t>(i)] =
-        std::exp(-static_cast<float>(dx * dx + dy * dy) / (2 * kSigma_px * kSigma_px));
+  std::array<RowWeights, kWidth> weights{};
+  for (std::size_t y = 0; y < kWidth; ++y) {
+    for (std::size_t x = 0; x < kWidth; ++x) {
+      const auto dx = static_cast<float>(x) - kRadius;
+      const auto dy = static_cast<float>(y) - kRadius;
+      weights[y][x] = std::exp(-(dx * dx + dy * dy) / (2 * kSigma_px * kSigma_px));
+    }
   }
   return weights;
 }
 
-// By how much a few pixels are too near. `source` is the top left of the first one's window. Tukey's weight: smooth,
-// and 0 from kCut_sigmas on; a missing measurement (0) is far beyond.
-Few mean_shift(const float* source, std::ptrdiff_t stride, const std::array<float, 25>& weights, const Few& z,
-               const Few& per_cut2) {
-  Few shift = Few::Zero();
-  Few weight = Few::Zero();
-  for (std::ptrdiff_t i = 0; i < 25; ++i) {
-    const Few d = Eigen::Map<const Few>(source + i / 5 * stride + i % 5) - z;
-    const Few share = weights[static_cast<std::size_t>(i)] * (1 - d.square() * per_cut2).max(0.0f).square();
-    shift += share * d;
-    weight += share;
+/// Of one row of pixels: their depths, what the weights fall by, and the sums over the pixels around.
+struct SmoothedRow {
+  std::vector<float> z;
+  std::vector<float> per_cut2;
+  std::vector<float> shift;
+  std::vector<float> weight;
+
+  explicit SmoothedRow(std::size_t width) : z(width), per_cut2(width), shift(width), weight(width) {}
+};
+
+MESHLOOP_TARGET_CLONES
+void begin_row(SmoothedRow& row, const float* z, const float* sigma) {
+  for (std::size_t x = 0; x < row.z.size(); ++x) {
+    const float cut = kCut_sigmas * sigma[x];
+    row.z[x] = z[x];
+    row.per_cut2[x] = 1 / (cut * cut + 1e-12f);
+    row.shift[x] = 0;
+    row.weight[x] = 0;
   }
-  return (weight > 0).select(shift / weight, 0.0f);
+}
+
+// One of the rows around. `around` begins kRadius pixels to the left. Tukey's weight: smooth, and 0 from kCut_sigmas
+// on; a missing measurement (0) is far beyond.
+MESHLOOP_TARGET_CLONES
+void add_row(SmoothedRow& row, const float* around, const RowWeights& weights) {
+  const RowWeights w = weights;
+  const float* z = row.z.data();
+  const float* per_cut2 = row.per_cut2.data();
+  float* shift = row.shift.data();
+  float* weight = row.weight.data();
+  const std::size_t count = row.z.size();
+  for (std::size_t x = 0; x < count; ++x) {
+    float shifts = shift[x];
+    float sum = weight[x];
+    for (std::size_t k = 0; k < kWidth; ++k) {
+      const float d = around[x + k] - z[x];
+      const float near = std::max(1 - d * d * per_cut2[x], 0.0f);
+      const float share = w[k] * near * near;
+      shifts += share * d;
+      sum += share;
+    }
+    shift[x] = shifts;
+    weight[x] = sum;
+  }
 }
 
 }  // namespace
@@ -173,24 +201,18 @@ DepthGrid select_patch(const Comparison& comparison, const DepthImage& measured,
 }
 
 void smooth(DepthGrid& grid, const DepthImage& measured) {
-  const int w = grid.window.width();
-  const int stride = padded_width(grid.window);
+  const auto w = static_cast<std::size_t>(grid.window.width());
   const auto source = padded_copy(measured, grid.window);
   const auto weights = spatial_weights();
-  for (int y = 0; y < grid.window.height(); ++y) {
-    for (int x = 0; x < w; x += kAtOnce) {
-      const int first = y * w + x;
-      const int count = std::min(kAtOnce, w - x);
-      Few z = Few::Zero();
-      Few sigma = Few::Zero();
-      std::copy_n(grid.z.data() + first, count, z.data());
-      std::copy_n(grid.sigma.data() + first, count, sigma.data());
-      const Few per_cut2 = 1 / ((kCut_sigmas * sigma).square() + 1e-12f);
-      z += mean_shift(source.data() + static_cast<std::ptrdiff_t>(y) * stride + x, stride, weights, z, per_cut2);
-      for (int k = 0; k < count; ++k) {
-        const auto i = static_cast<std::size_t>(first + k);
-        if (grid.role[i] == Role::member) grid.z[i] = z[k];
-      }
+  SmoothedRow row{w};
+  for (std::size_t y = 0; y < static_cast<std::size_t>(grid.window.height()); ++y) {
+    float* z = grid.z.data() + y * w;
+    const Role* role = grid.role.data() + y * w;
+    begin_row(row, z, grid.sigma.data() + y * w);
+    for (std::size_t k = 0; k < kWidth; ++k) add_row(row, source.data() + (y + k) * (w + 2 * kRadius), weights[k]);
+    for (std::size_t x = 0; x < w; ++x) {
+      const float shift = row.weight[x] > 0 ? row.shift[x] / row.weight[x] : 0.0f;
+      z[x] = role[x] == Role::member ? z[x] + shift : z[x];
     }
   }
 }

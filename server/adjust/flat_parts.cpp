@@ -8,6 +8,8 @@
 #include <limits>
 #include <numeric>
 
+#include "common/base/target_clones.h"
+
 namespace meshloop::adjust {
 namespace {
 
@@ -25,19 +27,98 @@ constexpr double kSnap_sigmas = 3;
 /// Standard deviation of one divided by the depth, measured on a plane: of the depth itself, and of the place in the
 /// picture, which counts on a slant.
 double sigma_on(const PicturePlane& plane, double inverse_sigma, double lateral_px) {
-  return std::hypot(inverse_sigma, lateral_px * plane.per_column, lateral_px * plane.per_row);
+  const double lateral2 = plane.per_column * plane.per_column + plane.per_row * plane.per_row;
+  return std::sqrt(inverse_sigma * inverse_sigma + lateral_px * lateral_px * lateral2);
 }
 
-/// Sums for fitting 1 / z = a x + b y + c with the weights of the measurements, residuals in sigma. One divided by the
-/// depth has sigma / z^2.
+/// Sums over measurements of one column of the picture, each with its weight: of 1, y, y^2, v, y v and v^2, where v is
+/// one divided by the depth; and how many there are.
+struct ColumnSums {
+  double weight = 0;
+  double y = 0;
+  double yy = 0;
+  double v = 0;
+  double yv = 0;
+  double vv = 0;
+  int count = 0;
+};
+
+/// The same for several columns, each number in a row of its own.
+struct RowOfColumnSums {
+  std::vector<double> weight;
+  std::vector<double> y;
+  std::vector<double> yy;
+  std::vector<double> v;
+  std::vector<double> yv;
+  std::vector<double> vv;
+  std::vector<int> count;
+
+  explicit RowOfColumnSums(std::size_t width)
+      : weight(width), y(width), yy(width), v(width), yv(width), vv(width), count(width) {}
+  void clear() {
+    for (auto* values : {&weight, &y, &yy, &v, &yv, &vv}) std::fill(values->begin(), values->end(), 0.0);
+    std::fill(count.begin(), count.end(), 0);
+  }
+  [[nodiscard]] ColumnSums at(std::size_t x) const { return {weight[x], y[x], yy[x], v[x], yv[x], vv[x], count[x]}; }
+};
+
+/// A row of the window.
+struct GridRow {
+  const float* z;
+  const float* sigma;
+  const Role* role;
+};
+
+bool is_measured_member(Role role, float sigma) {
+  return role == Role::member && sigma > 0;
+}
+
+// One divided by the depth has sigma / z^2.
+ColumnSums sums_of(double y, float z, float sigma) {
+  const double v = 1 / static_cast<double>(z);
+  const double inverse_sigma = static_cast<double>(sigma) * v * v;
+  const double weight = 1 / (inverse_sigma * inverse_sigma);
+  return {weight, weight * y, weight * y * y, weight * v, weight * v * y, weight * v * v, 1};
+}
+
+MESHLOOP_TARGET_CLONES
+void add_row(RowOfColumnSums& sums, const GridRow& row, double y) {
+  const GridRow r = row;
+  const std::size_t width = sums.weight.size();
+  double* sum_w = sums.weight.data();
+  double* sum_y = sums.y.data();
+  double* sum_yy = sums.yy.data();
+  double* sum_v = sums.v.data();
+  double* sum_yv = sums.yv.data();
+  double* sum_vv = sums.vv.data();
+  int* count = sums.count.data();
+  for (std::size_t x = 0; x < width; ++x) {
+    const bool counts = (r.role[x] == Role::member) & (r.sigma[x] > 0);
+    const float z = counts ? r.z[x] : 1.0f;
+    const float sigma = counts ? r.sigma[x] : 1.0f;
+    const double v = 1 / static_cast<double>(z);
+    const double inverse_sigma = static_cast<double>(sigma) * v * v;
+    const double weight = (counts ? 1.0 : 0.0) / (inverse_sigma * inverse_sigma);
+    sum_w[x] += weight;
+    sum_y[x] += weight * y;
+    sum_yy[x] += weight * y * y;
+    sum_v[x] += weight * v;
+    sum_yv[x] += weight * v * y;
+    sum_vv[x] += weight * v * v;
+    count[x] += counts ? 1 : 0;
+  }
+}
+
+/// Sums for fitting 1 / z = a x + b y + c with the weights of the measurements, residuals in sigma.
 class Sums {
  public:
-  void add(double x, double y, double inverse_z, double weight) {
-    const Eigen::Vector3d row{x, y, 1};
-    A_ += weight * row * row.transpose();
-    b_ += weight * inverse_z * row;
-    square_ += weight * inverse_z * inverse_z;
-    ++count_;
+  void add(double x, const ColumnSums& column) {
+    const double wx = x * column.weight;
+    A_ +=
+        Eigen::Matrix3d{{x * wx, x * column.y, wx}, {x * column.y, column.yy, column.y}, {wx, column.y, column.weight}};
+    b_ += Eigen::Vector3d{x * column.v, column.yv, column.v};
+    square_ += column.vv;
+    count_ += column.count;
   }
   void add(const Sums& other) {
     A_ += other.A_;
@@ -59,10 +140,11 @@ class Sums {
     const Eigen::Vector3d p{plane.per_column, plane.per_row, plane.at_corner};
     const double weight = A_(2, 2);
     if (count_ == 0 || !(weight > 0)) return {};
-    const double square = square_ - 2 * p.dot(b_) + p.dot(A_ * p);
+    const Eigen::Vector3d Ap = A_ * p;
+    const double square = square_ - 2 * p.dot(b_) + p.dot(Ap);
     // The weights are one divided by sigma squared.
     const double sigma = sigma_on(plane, std::sqrt(count_ / weight), lateral_px);
-    return {(b_[2] - A_.row(2).dot(p)) / weight / sigma, std::sqrt(std::max(square, 0.0) / weight) / sigma};
+    return {(b_[2] - Ap[2]) / weight / sigma, std::sqrt(std::max(square, 0.0) / weight) / sigma};
   }
 
  private:
@@ -106,22 +188,24 @@ class FlatPartFinder {
     return static_cast<std::size_t>(y / kBlock_px) * static_cast<std::size_t>(columns_) +
            static_cast<std::size_t>(x / kBlock_px);
   }
-  [[nodiscard]] bool is_member(std::size_t i) const { return grid_.role[i] == Role::member && grid_.sigma[i] > 0; }
+  [[nodiscard]] bool is_member(std::size_t i) const { return is_measured_member(grid_.role[i], grid_.sigma[i]); }
   [[nodiscard]] double inverse_sigma(std::size_t i) const {
     const auto z = static_cast<double>(grid_.z[i]);
     return static_cast<double>(grid_.sigma[i]) / (z * z);
   }
 
   void sum_blocks() {
-    for (int y = 0; y < height_; ++y) {
-      for (int x = 0; x < width_; ++x) add_pixel(x, y, blocks_[block_of(x, y)]);
+    const auto w = static_cast<std::size_t>(width_);
+    RowOfColumnSums columns{w};
+    for (int y0 = 0; y0 < height_; y0 += kBlock_px) {
+      columns.clear();
+      for (int y = y0; y < std::min(y0 + kBlock_px, height_); ++y) {
+        const auto i = pixel(0, y);
+        add_row(columns, {grid_.z.data() + i, grid_.sigma.data() + i, grid_.role.data() + i}, y);
+      }
+      Sums* blocks = blocks_.data() + block_of(0, y0);
+      for (std::size_t x = 0; x < w; ++x) blocks[x / kBlock_px].add(static_cast<double>(x), columns.at(x));
     }
-  }
-  void add_pixel(int x, int y, Sums& sums) const {
-    const auto i = pixel(x, y);
-    if (!is_member(i)) return;
-    const double sigma = inverse_sigma(i);
-    sums.add(x, y, 1 / static_cast<double>(grid_.z[i]), 1 / (sigma * sigma));
   }
 
   /// Blocks that are flat by themselves, the flattest first.
@@ -272,15 +356,31 @@ class FlatPartFinder {
 
   void refit(FlatParts& parts) const {
     std::vector<Sums> sums(parts.planes.size());
-    for (int y = 0; y < height_; ++y) {
-      for (int x = 0; x < width_; ++x) {
-        const auto plane = parts.plane_of_pixel[pixel(x, y)];
-        if (plane != 0) add_pixel(x, y, sums[plane - 1u]);
-      }
+    for (int by = 0; by < rows_; ++by) {
+      for (int bx = 0; bx < columns_; ++bx) add_block(bx * kBlock_px, by * kBlock_px, parts, sums);
     }
     for (std::size_t p = 0; p < sums.size(); ++p) {
       if (sums[p].count() >= kLeastPixels) parts.planes[p] = sums[p].fit();
     }
+  }
+  /// Of a block all of whose members are on one plane the sums are known.
+  void add_block(int x0, int y0, const FlatParts& parts, std::vector<Sums>& sums) const {
+    const Sums& whole = blocks_[block_of(x0, y0)];
+    const auto plane = plane_of_block_[block_of(x0, y0)];
+    int on_plane = 0;
+    const auto for_planes = [&](const auto& visit) {
+      for (int y = y0; y < std::min(y0 + kBlock_px, height_); ++y) {
+        for (int x = x0; x < std::min(x0 + kBlock_px, width_); ++x) visit(x, y, parts.plane_of_pixel[pixel(x, y)]);
+      }
+    };
+    for_planes([&](int, int, std::uint16_t p) { on_plane += p == plane && p != 0 ? 1 : 0; });
+    if (plane != 0 && on_plane == whole.count()) {
+      sums[plane - 1u].add(whole);
+      return;
+    }
+    for_planes([&](int x, int y, std::uint16_t p) {
+      if (p != 0) sums[p - 1u].add(x, sums_of(y, grid_.z[pixel(x, y)], grid_.sigma[pixel(x, y)]));
+    });
   }
 
   static constexpr std::uint16_t kLeft = std::numeric_limits<std::uint16_t>::max();

@@ -233,30 +233,54 @@ class Pieces {
   std::vector<std::uint32_t> triangles_{0};
 };
 
+/// Both triangles along a diagonal, as bits.
+constexpr unsigned kFalling = 3;
+constexpr unsigned kRising = 12;
+
+/// The triangles of a row of blocks are written to `next`, of which the end is returned; `first` is the first block.
 template <class NumberOf>
-std::vector<Triangle> list_triangles(const GridMesh& mesh, const NumberOf& number_of) {
-  std::size_t count = 0;
-  for (const auto block : mesh.blocks) count += triangle_count(block);
-  std::vector<Triangle> triangles(count);
-  Triangle* next = triangles.data();
+Triangle* write_row(const GridMesh& mesh, std::uint32_t first, const NumberOf& number_of, Triangle* next) {
   const auto w = static_cast<std::uint32_t>(mesh.width);
-  for (std::uint32_t i = 0; i < mesh.blocks.size(); ++i) {
+  for (std::uint32_t i = first; i < first + w; ++i) {
     const unsigned block = mesh.blocks[i];
     if (block == 0) continue;
-    const std::array<std::uint32_t, 4> corners{number_of(i), number_of(i + 1), number_of(i + w), number_of(i + w + 1)};
+    const std::uint32_t c0 = number_of(i);
+    const std::uint32_t c1 = number_of(i + 1);
+    const std::uint32_t c2 = number_of(i + w);
+    const std::uint32_t c3 = number_of(i + w + 1);
+    if (block == kFalling || block == kRising) {  // most blocks; which of the two is as good as random: no branch
+      const bool falls = block == kFalling;
+      next[0] = {c0, c2, falls ? c3 : c1};
+      next[1] = {falls ? c0 : c1, falls ? c3 : c2, falls ? c1 : c3};
+      next += 2;
+      continue;
+    }
+    const std::array<std::uint32_t, 4> corners{c0, c1, c2, c3};
     for (unsigned left = block; left != 0; left &= left - 1) {
       const auto& [a, b, c] = kBlockTriangles[static_cast<std::size_t>(std::countr_zero(left))];
       *next++ = {corners[a], corners[b], corners[c]};
     }
   }
+  return next;
+}
+
+template <class NumberOf>
+std::vector<Triangle> list_triangles(const GridMesh& mesh, const NumberOf& number_of) {
+  std::size_t count = 0;
+  for (const auto block : mesh.blocks) count += triangle_count(block);
+  std::vector<Triangle> triangles;
+  triangles.reserve(count);
+  std::vector<Triangle> row(2 * static_cast<std::size_t>(mesh.width));
+  for (std::uint32_t first = 0; first < mesh.blocks.size(); first += static_cast<std::uint32_t>(mesh.width))
+    triangles.insert(triangles.end(), row.data(), write_row(mesh, first, number_of, row.data()));
   return triangles;
 }
 
-/// Number of the way from a pixel to one of the eight around it; 7 minus it is the way back.
-int way_of(int columns, int rows) {
-  const int step = 3 * (rows + 1) + columns + 1;
-  return step < 4 ? step : step - 1;
-}
+/// Triangles of a block with that side of it, as bits.
+constexpr unsigned kAtTop = 0b0110;
+constexpr unsigned kAtBottom = 0b1001;
+constexpr unsigned kAtLeft = 0b0101;
+constexpr unsigned kAtRight = 0b1010;
 
 // Marks the corners `left` and `right` of a row of blocks.
 template <std::size_t left, std::size_t right>
@@ -301,32 +325,25 @@ GridVertices number_vertices(const GridMesh& mesh) {
 
 std::vector<std::array<std::uint32_t, 2>> border_of(const GridMesh& mesh) {
   const auto w = static_cast<std::uint32_t>(mesh.width);
-  // By pixel, a bit for each of the eight ways to its neighbours along which an edge has a triangle on its left.
-  std::vector<std::uint8_t> ways(mesh.blocks.size(), 0);
-  for (std::uint32_t i = 0; i < mesh.blocks.size(); ++i) {
-    if (mesh.blocks[i] == 0) continue;
-    const std::array<std::uint32_t, 4> corners{i, i + 1, i + w, i + w + 1};
-    for (std::size_t t = 0; t < 4; ++t) {
-      if ((mesh.blocks[i] >> t & 1) == 0) continue;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto from_corner = kBlockTriangles[t][k];
-        const auto from = static_cast<int>(from_corner);
-        const auto to = static_cast<int>(kBlockTriangles[t][(k + 1) % 3]);
-        auto& pixel = ways[corners[from_corner]];
-        pixel = static_cast<std::uint8_t>(pixel | 1 << way_of(to % 2 - from % 2, to / 2 - from / 2));
-      }
-    }
-  }
   std::vector<std::array<std::uint32_t, 2>> border;
-  for (std::uint32_t i = 0; i < ways.size(); ++i) {
-    for (int way = 0; way < 8; ++way) {
-      if ((ways[i] >> way & 1) == 0) continue;
-      const int step = way < 4 ? way : way + 1;  // 4 is the pixel itself
-      const std::uint32_t to =
-          i + static_cast<std::uint32_t>(step / 3) * w - w + static_cast<std::uint32_t>(step % 3) - 1;
-      if ((ways[to] >> (7 - way) & 1) == 0) border.push_back({i, to});
-    }
+  for (std::uint32_t i = 0; i < mesh.blocks.size(); ++i) {
+    const unsigned block = mesh.blocks[i];
+    if (block == 0) continue;
+    const unsigned above = i < w ? 0 : mesh.blocks[i - w];
+    const unsigned before = i == 0 ? 0 : mesh.blocks[i - 1];
+    const unsigned after = mesh.blocks[i + 1];  // the last column and row have no blocks
+    const unsigned below = mesh.blocks[i + w];
+    if ((block & kAtTop) != 0 && (above & kAtBottom) == 0) border.push_back({i + 1, i});
+    if ((block & kAtLeft) != 0 && (before & kAtRight) == 0) border.push_back({i, i + w});
+    if ((block & kAtBottom) != 0 && (below & kAtTop) == 0) border.push_back({i + w, i + w + 1});
+    if ((block & kAtRight) != 0 && (after & kAtLeft) == 0) border.push_back({i + w + 1, i + 1});
+    if (block == kFalling || block == kRising) continue;
+    if ((block & kFalling) == 1) border.push_back({i + w + 1, i});
+    if ((block & kFalling) == 2) border.push_back({i, i + w + 1});
+    if ((block & kRising) == 4) border.push_back({i + w, i + 1});
+    if ((block & kRising) == 8) border.push_back({i + 1, i + w});
   }
+  std::sort(border.begin(), border.end());
   return border;
 }
 

@@ -47,8 +47,20 @@ struct GridVertices {
 
 [[nodiscard]] GridVertices number_vertices(const GridMesh& mesh);
 
-/// Edges with a triangle on one side only, which lies on their left as the camera sees it; pixels.
+/// Edges with a triangle on one side only, which lies on their left as the camera sees it; pixels, in ascending order.
 [[nodiscard]] std::vector<std::array<std::uint32_t, 2>> border_of(const GridMesh& mesh);
+
+/// The triangles of one block, with positions in the grid as indices.
+template <class Visit>
+void for_each_triangle(const GridMesh& mesh, std::uint32_t block, const Visit& visit) {
+  const auto w = static_cast<std::uint32_t>(mesh.width);
+  const std::array<std::uint32_t, 4> corners{block, block + 1, block + w, block + w + 1};
+  for (std::size_t t = 0; t < kBlockTriangles.size(); ++t) {
+    if ((mesh.blocks[block] >> t & 1) == 0) continue;
+    const auto& [a, b, c] = kBlockTriangles[t];
+    visit(Triangle{corners[a], corners[b], corners[c]});
+  }
+}
 
 /// With positions in the grid as indices.
 [[nodiscard]] std::vector<Triangle> triangles_of(const GridMesh& mesh);

@@ -13,6 +13,7 @@
 #include "server/adjust/depth_grid.h"
 #include "server/adjust/flat_parts.h"
 #include "server/adjust/grid_mesh.h"
+#include "server/adjust/patch_points.h"
 #include "server/adjust/patch_texture.h"
 #include "server/adjust/stitch.h"
 #include "server/adjust/straight_lines.h"
@@ -36,48 +37,45 @@ VertexPlaces colored_places(VertexPlaces moved) {
   return moved;
 }
 
-std::vector<Eigen::Vector3f> back_project(const DepthGrid& grid, const VertexPlaces& moved, const Camera& camera,
-                                          const GridVertices& vertices) {
-  std::vector<Eigen::Vector3f> points;
-  points.reserve(vertices.pixels.size());
-  const auto corner_u = static_cast<float>(grid.window.x0 - camera.cx);
-  const auto corner_v = static_cast<float>(grid.window.y0 - camera.cy);
-  const auto per_fx = static_cast<float>(1 / camera.fx);
-  const auto per_fy = static_cast<float>(1 / camera.fy);
-  const auto w = static_cast<std::uint32_t>(grid.window.width());
-  std::uint32_t row = 0;
-  for (const auto i : vertices.pixels) {
-    while (i >= (row + 1) * w) ++row;
-    Eigen::Vector3f p{static_cast<float>(i - row * w), static_cast<float>(row), grid.z[i]};
-    if (!moved.places.empty() && moved.places[i].z() > 0) p = moved.places[i];
-    points.emplace_back((p.x() + corner_u) * p.z() * per_fx, (p.y() + corner_v) * p.z() * per_fy, p.z());
+template <class Visit>
+void for_vertices_around(const DepthGrid& grid, const GridVertices& vertices, std::uint32_t pixel, const Visit& visit) {
+  const int w = grid.window.width();
+  const int x = static_cast<int>(pixel) % w;
+  const int y = static_cast<int>(pixel) / w;
+  for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, grid.window.height() - 1); ++ny) {
+    for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, w - 1); ++nx) {
+      const auto i = static_cast<std::uint32_t>(ny * w + nx);
+      if (vertices.is_vertex[i] != 0) visit(i, vertices.number_of_pixel[i]);
+    }
   }
-  return points;
+}
+
+/// Coloured vertices beside one that is not.
+std::vector<std::uint32_t> colored_beside_others(const DepthGrid& grid, const GridVertices& vertices,
+                                                 const ColorsOfPoints& found) {
+  std::vector<std::uint32_t> pixels;
+  for (std::size_t n = 0; n < found.seen.size(); ++n) {
+    if (found.seen[n] != 0) continue;
+    for_vertices_around(grid, vertices, vertices.pixels[n], [&](std::uint32_t pixel, std::uint32_t number) {
+      if (found.seen[number] != 0) pixels.push_back(pixel);
+    });
+  }
+  std::sort(pixels.begin(), pixels.end());
+  pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
+  return pixels;
 }
 
 // Breadth first over the pixel grid, from all coloured vertices at once: each other one takes the nearest one's colour.
 void spread_colors(const DepthGrid& grid, const GridVertices& vertices, ColorsOfPoints& found) {
-  const int w = grid.window.width();
-  std::vector<std::uint32_t> queue;
-  queue.reserve(vertices.pixels.size());
-  for (std::size_t n = 0; n < found.colors.size(); ++n) {
-    if (found.seen[n] != 0) queue.push_back(vertices.pixels[n]);
-  }
+  auto queue = colored_beside_others(grid, vertices, found);
   for (std::size_t head = 0; head < queue.size(); ++head) {
-    const auto from = vertices.number_of_pixel[queue[head]];
-    const int x = static_cast<int>(queue[head]) % w;
-    const int y = static_cast<int>(queue[head]) / w;
-    for (int k = 0; k < 9; ++k) {
-      const int nx = x + k % 3 - 1;
-      const int ny = y + k / 3 - 1;
-      if (nx < 0 || ny < 0 || nx >= w || ny >= grid.window.height()) continue;
-      const auto pixel = static_cast<std::uint32_t>(ny * w + nx);
-      const auto to = vertices.number_of_pixel[pixel];
-      if (vertices.is_vertex[pixel] == 0 || found.seen[to] != 0) continue;
-      found.seen[to] = 1;
-      found.colors[to] = found.colors[from];
+    const Rgb8 color = found.colors[vertices.number_of_pixel[queue[head]]];
+    for_vertices_around(grid, vertices, queue[head], [&](std::uint32_t pixel, std::uint32_t number) {
+      if (found.seen[number] != 0) return;
+      found.seen[number] = 1;
+      found.colors[number] = color;
       queue.push_back(pixel);
-    }
+    });
   }
   for (std::size_t n = 0; n < found.colors.size(); ++n) {
     if (found.seen[n] == 0) found.colors[n] = kGrey;
@@ -191,7 +189,7 @@ Submesh make_patch(const Snapshot& snapshot, RegionId region, const AdjustOption
   drop_small_pieces(mesh, least_triangles(options, rig.depth));
   const GridVertices vertices = number_vertices(mesh);
   if (vertices.pixels.empty()) return {};
-  if (!parts.planes.empty()) straighten_border(grid, parts, mesh, places);
+  if (!parts.planes.empty()) straighten_border(grid, parts, mesh, vertices, places);
 
   Submesh patch;
   const auto points = back_project(grid, places, rig.depth, vertices);
@@ -209,10 +207,9 @@ Submesh make_patch(const Snapshot& snapshot, RegionId region, const AdjustOption
             ? color_vertices(grid, vertices, points, colors)
             : color_vertices(grid, vertices, back_project(grid, colored_places(places), rig.depth, vertices), colors);
   }
-  patch.positions.reserve(points.size());
+  patch.positions = transformed(T_world_depth, points);
   for (std::size_t n = 0; n < points.size(); ++n) {
-    const bool is_model = grid.role[vertices.pixels[n]] == Role::model_rim;
-    patch.positions.push_back((is_model ? T_world_model : T_world_depth) * points[n]);
+    if (grid.role[vertices.pixels[n]] == Role::model_rim) patch.positions[n] = T_world_model * points[n];
   }
   patch.triangles = triangles_of(mesh, vertices);
   std::vector<std::uint32_t> joined;
@@ -249,7 +246,7 @@ std::vector<Submesh> split(Submesh submesh, std::size_t max_triangles) {
   for (auto it = order.begin(); it != middle; ++it) first[*it] = true;
   pieces = split(keep_triangles(submesh, first), max_triangles);
   first.flip();
-  auto others = split(keep_triangles(submesh, first), max_triangles);
+  auto others = split(keep_triangles(std::move(submesh), first), max_triangles);
   std::move(others.begin(), others.end(), std::back_inserter(pieces));
   return pieces;
 }

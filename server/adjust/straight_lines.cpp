@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <unordered_map>
 #include <utility>
 
 #include "server/adjust/outline.h"
@@ -245,30 +246,67 @@ class Outline {
   std::vector<std::pair<Eigen::AlignedBox2d, Loop>> loops_;
 };
 
-/// Takes moves back until no triangle is turned over in the picture. `before`: the places
-/// without the moves.
-void take_back_folds(const std::vector<Triangle>& triangles, std::uint32_t width,
-                     const std::vector<Eigen::Vector3f>& before, std::vector<Eigen::Vector3f>& places) {
-  const auto own = [&](std::uint32_t i) {
-    return Eigen::Vector2f{static_cast<float>(i % width), static_cast<float>(i / width)};
-  };
-  const auto at = [&](std::uint32_t i) { return places[i].z() > 0 ? Eigen::Vector2f{places[i].head<2>()} : own(i); };
-  const auto twice_area = [](const Eigen::Vector2f& a, const Eigen::Vector2f& b, const Eigen::Vector2f& c) {
-    return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
-  };
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (const auto& [a, b, c] : triangles) {
-      const float area = twice_area(at(a), at(b), at(c));
-      if (area * twice_area(own(a), own(b), own(c)) > 0) continue;
-      for (const auto i : {a, b, c}) {
-        if (places[i] == before[i]) continue;
-        places[i] = before[i];
-        changed = true;
+struct Move {
+  std::uint32_t pixel;
+  /// The place without it.
+  Eigen::Vector3f before;
+};
+
+/// Takes moves of vertices back until they turn no triangle over in the picture.
+class FoldsTakenBack {
+ public:
+  FoldsTakenBack(const GridMesh& mesh, std::vector<Eigen::Vector3f>& places) : mesh_{mesh}, places_{places} {}
+
+  void take_back(const std::vector<Move>& moves) {
+    for (const auto& move : moves) before_.emplace(move.pixel, move.before);
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (const auto& move : moves) {
+        for_blocks_around(move.pixel, [&](std::uint32_t block) {
+          for_each_triangle(mesh_, block, [&](const Triangle& t) { changed |= is_turned_over(t) && take_back(t); });
+        });
       }
     }
   }
-}
+
+ private:
+  template <class Visit>
+  void for_blocks_around(std::uint32_t pixel, const Visit& visit) const {
+    const auto w = static_cast<std::uint32_t>(mesh_.width);
+    for (const std::uint32_t back : {w + 1, w, 1U, 0U}) {
+      if (pixel >= back) visit(pixel - back);
+    }
+  }
+  [[nodiscard]] Eigen::Vector2f own(std::uint32_t i) const {
+    const auto w = static_cast<std::uint32_t>(mesh_.width);
+    return {static_cast<float>(i % w), static_cast<float>(i / w)};
+  }
+  [[nodiscard]] Eigen::Vector2f at(std::uint32_t i) const {
+    return places_[i].z() > 0 ? Eigen::Vector2f{places_[i].head<2>()} : own(i);
+  }
+  [[nodiscard]] bool is_turned_over(const Triangle& triangle) const {
+    const auto twice_area = [](const Eigen::Vector2f& a, const Eigen::Vector2f& b, const Eigen::Vector2f& c) {
+      return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+    };
+    const auto& [a, b, c] = triangle;
+    return !(twice_area(at(a), at(b), at(c)) * twice_area(own(a), own(b), own(c)) > 0);
+  }
+  bool take_back(const Triangle& triangle) {
+    bool changed = false;
+    for (const auto i : triangle) {
+      const auto move = before_.find(i);
+      if (move == before_.end()) continue;
+      places_[i] = move->second;
+      before_.erase(move);
+      changed = true;
+    }
+    return changed;
+  }
+
+  const GridMesh& mesh_;
+  std::vector<Eigen::Vector3f>& places_;
+  std::unordered_map<std::uint32_t, Eigen::Vector3f> before_;
+};
 
 }  // namespace
 
@@ -276,26 +314,25 @@ VertexPlaces meet_in_lines(const DepthGrid& grid, const FlatParts& parts, const 
   return LineFinder{grid, parts, comparison}.find();
 }
 
-void straighten_border(const DepthGrid& grid, const FlatParts& parts, const GridMesh& mesh, VertexPlaces& vertices) {
-  const auto triangles = triangles_of(mesh);
-  const int w = grid.window.width();
-  Image<std::uint8_t> mask{w, grid.window.height()};
-  for (const auto& triangle : triangles) {
-    for (const auto i : triangle) mask.pixels()[i] = is_part(grid.role[i]) ? 1 : 0;
-  }
+void straighten_border(const DepthGrid& grid, const FlatParts& parts, const GridMesh& mesh,
+                       const GridVertices& vertices, VertexPlaces& places) {
+  Image<std::uint8_t> mask{grid.window.width(), grid.window.height()};
+  for (const auto i : vertices.pixels) mask.pixels()[i] = is_part(grid.role[i]) ? 1 : 0;
   const Outline outline{mask, std::max(kStraightSteps_px, kRagged * grid.lateral_px)};
-  const auto before = vertices.places;
-  const auto columns = static_cast<std::uint32_t>(w);
+  const auto columns = static_cast<std::uint32_t>(mesh.width);
+  std::vector<Move> moves;
   for (const auto& edge : border_of(mesh)) {
     const auto i = edge[0];  // each border vertex begins an edge
-    if (!is_part(grid.role[i]) || vertices.lines[i] != 0) continue;
+    if (!is_part(grid.role[i]) || places.lines[i] != 0) continue;
     const auto at = outline.nearest({static_cast<double>(i % columns), static_cast<double>(i / columns)});
     if (!at) continue;
     const auto plane = parts.plane_of_pixel[i];
     const float z = plane == 0 ? grid.z[i] : parts.planes[plane - 1u].depth(at->x(), at->y());
-    if (z > 0) vertices.places[i] = {static_cast<float>(at->x()), static_cast<float>(at->y()), z};
+    if (!(z > 0)) continue;
+    moves.push_back({i, places.places[i]});
+    places.places[i] = {static_cast<float>(at->x()), static_cast<float>(at->y()), z};
   }
-  take_back_folds(triangles, columns, before, vertices.places);
+  FoldsTakenBack{mesh, places.places}.take_back(moves);
 }
 
 }  // namespace meshloop::adjust

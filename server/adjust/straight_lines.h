@@ -22,8 +22,9 @@ struct VertexPlaces {
 /// which three do; and rim pixels beside a plane to where it reaches the model's surface, by at most 10 pixels.
 [[nodiscard]] VertexPlaces meet_in_lines(const DepthGrid& grid, const FlatParts& parts, const Comparison& comparison);
 
-/// Moves members at an open border of the mesh onto the straight lines around all members, by at most what noise
-/// makes a border ragged. What would turn a triangle over stays where it was.
-void straighten_border(const DepthGrid& grid, const FlatParts& parts, const GridMesh& mesh, VertexPlaces& vertices);
+/// Moves members (of `vertices`) at an open border of the mesh onto the straight lines around all members, by at most
+/// what noise makes a border ragged. What would turn a triangle over stays where it was.
+void straighten_border(const DepthGrid& grid, const FlatParts& parts, const GridMesh& mesh,
+                       const GridVertices& vertices, VertexPlaces& places);
 
 }  // namespace meshloop::adjust

@@ -7,7 +7,9 @@
 #include <memory>
 #include <random>
 
+#include "server/adjust/depth_grid.h"
 #include "server/adjust/edge_rings.h"
+#include "server/adjust/grid_mesh.h"
 #include "server/adjust/joint_poses.h"
 #include "server/adjust/moved_things.h"
 #include "server/adjust/proposal.h"
@@ -90,29 +92,57 @@ BENCHMARK(insert_patch)
     ->ArgsProduct({{640}, {480}, {0, 1}})
     ->Unit(benchmark::kMillisecond);
 
-#ifdef MESHLOOP_PCL
-/// The same picture. `points`: with the points made and coloured, else the triangles alone.
-void pcl_organized_fast_mesh(benchmark::State& state) {
+/// The triangles alone, from depths that were chosen and smoothed already.
+void triangulate(benchmark::State& state) {
   const NewWall wall{static_cast<int>(state.range(0)), static_cast<int>(state.range(1))};
-  const bool with_points = state.range(2) != 0;
-  PclMesh pcl;
-  pcl.set_points(wall.frame.depth, wall.rig.depth, wall.frame.color);
+  auto grid = adjust::select_patch(wall.comparison, wall.frame.depth, {}, wall.regions.ids, 1, wall.rig.sensor);
+  adjust::smooth(grid, wall.frame.depth);
+  const AdjustOptions options;
   std::size_t triangles = 0;
   for (auto _ : state) {
-    if (with_points) pcl.set_points(wall.frame.depth, wall.rig.depth, wall.frame.color);
-    triangles = pcl.triangulate(0.1f);
+    auto mesh = adjust::join_pixels(grid, wall.rig.depth, options.discontinuity_sigmas, {});
+    adjust::drop_small_pieces(mesh, options.min_patch_triangles);
+    triangles = adjust::triangles_of(mesh, adjust::number_vertices(mesh)).size();
   }
   state.counters["triangles"] = static_cast<double>(triangles);
 }
-BENCHMARK(pcl_organized_fast_mesh)
-    ->ArgNames({"width", "height", "points"})
+BENCHMARK(triangulate)->ArgNames({"width", "height"})->Args({640, 480})->Unit(benchmark::kMillisecond);
+
+#ifdef MESHLOOP_PCL
+/// The same picture: the triangles alone, from points that are there already.
+void pcl_triangulate(benchmark::State& state) {
+  const NewWall wall{static_cast<int>(state.range(0)), static_cast<int>(state.range(1))};
+  PclMesh pcl;
+  pcl.set_points(wall.frame.depth, wall.rig.depth, wall.frame.color);
+  std::size_t triangles = 0;
+  for (auto _ : state) triangles = pcl.triangulate(0.1f);
+  state.counters["triangles"] = static_cast<double>(triangles);
+}
+BENCHMARK(pcl_triangulate)->ArgNames({"width", "height"})->Args({640, 480})->Unit(benchmark::kMillisecond);
+
+/// From the picture to arrays as an insertion's; without a look at visibility, and without pieces that are too small.
+void pcl_insert(benchmark::State& state) {
+  const NewWall wall{static_cast<int>(state.range(0)), static_cast<int>(state.range(1))};
+  const auto sigma_m = static_cast<float>(wall.rig.sensor.sigma_z_m(2, 0));
+  std::size_t triangles = 0;
+  for (auto _ : state) {
+    PclMesh pcl;
+    pcl.set_points(wall.frame.depth, wall.rig.depth, wall.frame.color);
+    if (state.range(2) != 0) pcl.smooth(2 * sigma_m);
+    pcl.triangulate(0.1f);
+    triangles = pcl.arrays().triangles.size();
+  }
+  state.counters["triangles"] = static_cast<double>(triangles);
+}
+BENCHMARK(pcl_insert)
+    ->ArgNames({"width", "height", "smooth"})
     ->ArgsProduct({{640}, {480}, {0, 1}})
     ->Unit(benchmark::kMillisecond);
 #else
-void pcl_organized_fast_mesh(benchmark::State& state) {
+void pcl_insert(benchmark::State& state) {
   state.SkipWithError("PCL was not installed when this was built (libpcl-dev)");
 }
-BENCHMARK(pcl_organized_fast_mesh);
+BENCHMARK(pcl_insert);
 #endif
 
 /// A wavy wall that is expected 5 mm from where it is measured.

@@ -1,6 +1,7 @@
 #include "pcl_mesh.h"
 
 #include <pcl/PolygonMesh.h>
+#include <pcl/filters/fast_bilateral.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 #include <pcl/surface/organized_fast_mesh.h>
@@ -45,6 +46,16 @@ void PclMesh::set_points(const DepthImage& depth, const Camera& camera, const Co
   }
 }
 
+void PclMesh::smooth(float sigma_m) {
+  pcl::FastBilateralFilter<Point> filter;
+  filter.setInputCloud(data_->cloud);
+  filter.setSigmaS(1.2F);
+  filter.setSigmaR(sigma_m);
+  const auto smoothed = pcl::make_shared<pcl::PointCloud<Point>>();
+  filter.filter(*smoothed);
+  data_->cloud = smoothed;
+}
+
 std::size_t PclMesh::triangulate(float max_edge_m) {
   pcl::OrganizedFastMesh<Point> mesher;
   mesher.setInputCloud(data_->cloud);
@@ -53,6 +64,28 @@ std::size_t PclMesh::triangulate(float max_edge_m) {
   mesher.setMaxEdgeLength(max_edge_m);
   mesher.reconstruct(data_->mesh);
   return data_->mesh.polygons.size();
+}
+
+Submesh PclMesh::arrays() const {
+  constexpr auto kUnused = std::numeric_limits<std::uint32_t>::max();
+  const auto& cloud = *data_->cloud;
+  std::vector<std::uint32_t> number(cloud.size(), kUnused);
+  Submesh mesh;
+  mesh.triangles.reserve(data_->mesh.polygons.size());
+  for (const auto& polygon : data_->mesh.polygons) {
+    Triangle triangle{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto i = static_cast<std::size_t>(polygon.vertices[k]);
+      if (number[i] == kUnused) {
+        number[i] = static_cast<std::uint32_t>(mesh.positions.size());
+        mesh.positions.emplace_back(cloud[i].getVector3fMap());
+        mesh.colors.push_back({cloud[i].r, cloud[i].g, cloud[i].b});
+      }
+      triangle[k] = number[i];
+    }
+    mesh.triangles.push_back(triangle);
+  }
+  return mesh;
 }
 
 }  // namespace meshloop
