@@ -56,7 +56,7 @@ Result<std::unique_ptr<Station>> Station::create(const StationOptions& options, 
                                          .offer = std::nullopt,
                                          .offered_regions = {},
                                          .looked = std::nullopt,
-                                         .good_frames_due = 0}};
+                                         .trust = {}}};
   std::unique_ptr<Station> station{new Station{std::move(parts)}};
   const auto model = station->parts_->store->model();
   if (auto done = station->publish(model, wall_clock_ns()); !done) return fail(done.error());

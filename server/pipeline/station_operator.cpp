@@ -12,8 +12,6 @@
 namespace meshloop {
 namespace {
 
-/// After a frame whose pose was found wrong.
-constexpr int kGoodFramesAfterBad = 5;
 /// Of the frames' own time. Proposing takes as long as a few frames.
 constexpr double kLookAgain_s = 1;
 
@@ -23,10 +21,6 @@ std::vector<RegionId> confirmed_ids(const RegionMap& regions) {
     if (region.confirmed) ids.push_back(region.id);
   }
   return ids;
-}
-
-std::string good_frames_text(int due) {
-  return fmt::format("the poses were wrong a moment ago: {} more frames must speak for them", due);
 }
 
 /// Why these cannot be accepted together.
@@ -73,13 +67,12 @@ Result<Station::Offer> Station::look(TrackedFrame tracked, Examination examinati
 
 std::optional<std::string> Station::why_withheld(const ProposedChanges& changes) {
   if (changes.withheld) {
-    parts_->good_frames_due = kGoodFramesAfterBad;
+    parts_->trust.lose();
     parts_->recent.clear();  // the frames before passed no gate
     return changes.withheld;
   }
-  if (changes.proposals.empty() || parts_->good_frames_due == 0) return std::nullopt;
-  // What made the poses wrong is hardly gone after a frame that does not show it.
-  return good_frames_text(parts_->good_frames_due--);
+  if (changes.proposals.empty()) return std::nullopt;
+  return parts_->trust.regain();
 }
 
 bool Station::is_worth_a_look(const RegionMap& regions, double timestamp_s) const {
@@ -239,9 +232,7 @@ Result<Station::Refusal> Station::obey(OperatorCommand command) {
 
 Result<Station::Refusal> Station::accept_as_told(const OperatorCommand& command) {
   if (!parts_->offer) return Refusal{"nothing is proposed now"};
-  if (parts_->good_frames_due > 0) {
-    return Refusal{good_frames_text(parts_->good_frames_due) + "; accept it when they have"};
-  }
+  if (const auto doubt = parts_->trust.doubt()) return Refusal{*doubt + "; accept it when they have"};
   const auto known = parts_->store->proposals();
   if (!known) return fail(known.error());
   const auto accepted = chosen(command.decisions, parts_->offer->proposals, *known);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "server/pipeline/operator_commands.h"
+#include "server/pipeline/pose_trust.h"
 #include "server/pipeline/recent_depths.h"
 #include "server/pipeline/region_pictures.h"
 #include "server/pipeline/station.h"
@@ -70,8 +71,7 @@ struct Station::Parts {
   /// The regions of the offer's frame as they were before any of it was accepted.
   RegionMap offered_regions;
   std::optional<Looked> looked;
-  /// Frames that must pass the gates before the model is changed again.
-  int good_frames_due = 0;
+  PoseTrust trust;
 };
 
 }  // namespace meshloop
