@@ -50,9 +50,8 @@ bool same_bits(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
 }
 
 bool is_on_lattice_of(const Submesh& submesh, int coarsening) {
-  const float spacing_m = kLatticeSpacing_m * static_cast<float>(coarsening);
   return std::all_of(submesh.positions.begin(), submesh.positions.end(),
-                     [=](const Eigen::Vector3f& p) { return same_bits(snapped(p, spacing_m), p); });
+                     [=](const Eigen::Vector3f& p) { return is_on_lattice(p, coarsening); });
 }
 
 struct Faults {
@@ -133,6 +132,10 @@ Eigen::Vector3f on_lattice(const Eigen::Vector3f& p) {
   return snapped(p, kLatticeSpacing_m);
 }
 
+bool is_on_lattice(const Eigen::Vector3f& p, int coarsening) {
+  return same_bits(snapped(p, kLatticeSpacing_m * static_cast<float>(coarsening)), p);
+}
+
 bool is_on_lattice(const Submesh& submesh) {
   return is_on_lattice_of(submesh, 1);
 }
@@ -143,9 +146,11 @@ int coarsening_of(const Submesh& submesh) {
   return coarsening;
 }
 
-Submesh snap_to_lattice(Submesh submesh, int coarsening) {
-  const float spacing_m = kLatticeSpacing_m * static_cast<float>(coarsening);
-  snap(submesh.positions, spacing_m);
+Submesh snap_to_lattice(Submesh submesh, int coarsening, std::span<const std::uint32_t> finest) {
+  std::vector<Eigen::Vector3f> exact;
+  for (const auto i : finest) exact.push_back(on_lattice(submesh.positions[i]));
+  snap(submesh.positions, kLatticeSpacing_m * static_cast<float>(coarsening));
+  for (std::size_t k = 0; k < finest.size(); ++k) submesh.positions[finest[k]] = exact[k];
   auto [flat, has_unused_vertices] = faults_of(submesh);
   if (flat.empty() && !has_unused_vertices) return submesh;
   // What a flat triangle is flipped with may itself have been flat.

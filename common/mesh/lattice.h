@@ -1,4 +1,7 @@
 #pragma once
+#include <cstdint>
+#include <span>
+
 #include "common/mesh/submesh.h"
 
 namespace meshloop {
@@ -21,14 +24,16 @@ inline constexpr int kCoarseColorStep = 8;
 
 /// To the bit: -0 is not on the lattice.
 [[nodiscard]] bool is_on_lattice(const Submesh& submesh);
+/// On the lattice coarsened by 1, 2, 4 or 8.
+[[nodiscard]] bool is_on_lattice(const Eigen::Vector3f& p, int coarsening);
 
 /// The largest of 1, 2, 4 and 8 so that every position lies on the lattice coarsened by it. The submesh must be on the
 /// lattice.
 [[nodiscard]] int coarsening_of(const Submesh& submesh);
 
-/// Moves every position to the nearest point of the lattice coarsened by 1, 2, 4 or 8. Triangles that thereby lose
-/// their area, and vertices that nothing uses any more, are dropped; vertices stay separate. May leave no triangles
-/// (the result is then not valid).
-[[nodiscard]] Submesh snap_to_lattice(Submesh submesh, int coarsening = 1);
+/// Moves every position to the nearest point of the lattice coarsened by 1, 2, 4 or 8, and the vertices `finest` to the
+/// nearest one of the finest lattice. Triangles that thereby lose their area, and vertices that nothing uses any more,
+/// are dropped; vertices stay separate. May leave no triangles (the result is then not valid).
+[[nodiscard]] Submesh snap_to_lattice(Submesh submesh, int coarsening = 1, std::span<const std::uint32_t> finest = {});
 
 }  // namespace meshloop

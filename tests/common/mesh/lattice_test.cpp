@@ -41,6 +41,18 @@ TEST(Lattice, ACoarserLatticeIsPartOfTheFinestOne) {
   EXPECT_EQ(coarsening_of(triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0})), kMaxCoarsening);
 }
 
+TEST(Lattice, SomeVerticesStayOnTheFinestOne) {
+  const float d = kLatticeSpacing_m;
+  const Submesh exact = triangle({3 * d, 5 * d, -7 * d}, {1 + 3.2f * d, 0, 0}, {0, 5 + d, 0});
+  const std::vector<std::uint32_t> finest{0, 1};
+  const Submesh snapped = snap_to_lattice(exact, 4, finest);
+  EXPECT_EQ(snapped.positions[0], exact.positions[0]);
+  EXPECT_EQ(snapped.positions[1], Eigen::Vector3f(1 + 3 * d, 0, 0));
+  EXPECT_EQ(snapped.positions[2], Eigen::Vector3f(0, 5, 0));
+  EXPECT_TRUE(is_on_lattice(snapped.positions[2], 4));
+  EXPECT_FALSE(is_on_lattice(snapped.positions[1], 2));
+}
+
 TEST(Lattice, SnappingTwiceChangesNothing) {
   const Submesh once = snap_to_lattice(triangle({0.1f, 0.2f, 0.3f}, {1.1f, 0, 0}, {0, 5.5f, 0}));
   EXPECT_EQ(content_hash(snap_to_lattice(once)), content_hash(once));
@@ -94,6 +106,20 @@ TEST(Lattice, FlipsWhatBecomesFlatSoThatNothingOpens) {
     for (std::size_t k = 0; k < 3; ++k) sides[std::minmax(t[k], t[(k + 1) % 3])] += t[k] < t[(k + 1) % 3] ? 1 : -1;
   }
   EXPECT_EQ(std::count_if(sides.begin(), sides.end(), [](const auto& edge) { return edge.second != 0; }), 4);  // around
+}
+
+// The corner that the longest edge comes to lie on is one that stays where it is.
+TEST(Lattice, FlipsWhatBecomesFlatBesideAVertexOfTheFinestOne) {
+  constexpr float a = 4 * kLatticeSpacing_m;
+  Submesh mesh;
+  mesh.positions = {
+      {0, 0.1f * a, 0}, {20 * a, 0.1f * a, 0}, {10.25f * a, 0, 0}, {10 * a, 15 * a, 0}, {10 * a, -15 * a, 0}};
+  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 4, 2}, {2, 4, 1}};
+  const std::vector<std::uint32_t> finest{2};
+  const Submesh snapped = snap_to_lattice(mesh, 4, finest);
+  ASSERT_EQ(snapped.triangles.size(), 4U);
+  EXPECT_EQ(snapped.positions[2], mesh.positions[2]);
+  for (const auto& t : snapped.triangles) EXPECT_TRUE(has_area(snapped, t));
 }
 
 // As in double precision, of thin and fat triangles on the lattice.
