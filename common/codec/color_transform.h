@@ -1,10 +1,7 @@
 #pragma once
 // Colours are stored as (r - g, g, b - g) around the middle, modulo 256: reversible, and of less entropy than RGB,
 // since brightness changes more from vertex to vertex than hue. Where every colour of a submesh is a multiple of
-// kCoarseColorStep, the quotients are stored instead, which keeps the coder's tables short; Draco's data type of the
-// attribute says so.
-#include <draco/core/draco_types.h>
-
+// kCoarseColorStep, the quotients are stored instead.
 #include <array>
 #include <cstdint>
 
@@ -14,12 +11,6 @@
 namespace meshloop {
 
 using CodedColor = std::array<std::uint8_t, 3>;
-
-/// The step between the colours of an attribute of this data type; 0 where a colour cannot have it.
-[[nodiscard]] constexpr int color_step(draco::DataType type) {
-  if (type == draco::DT_INT8) return kCoarseColorStep;
-  return type == draco::DT_UINT8 ? 1 : 0;
-}
 
 [[nodiscard]] constexpr CodedColor to_coded(const Rgb8& color, int step) {
   const int g = color.g / step;

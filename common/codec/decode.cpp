@@ -1,82 +1,18 @@
 #include "common/codec/mesh_codec.h"
 
-#include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
-#include <draco/mesh/mesh.h>
 #include <fmt/format.h>
 
-#include <array>
 #include <exception>
 
-#include "common/codec/color_transform.h"
 #include "common/codec/draco_header.h"
+#include "common/codec/draco_part.h"
+#include "common/codec/mesh_tail.h"
 #include "common/codec/texture_frame.h"
 #include "common/image/jpeg_codec.h"
 #include "common/mesh/lattice.h"
 
 namespace meshloop {
 namespace {
-
-using draco::GeometryAttribute;
-
-bool is_three_of(const draco::PointAttribute& attribute, GeometryAttribute::Type kind) {
-  return attribute.attribute_type() == kind && attribute.num_components() == 3;
-}
-
-/// Positions, and perhaps colours: all that encode() writes.
-bool has_expected_attributes(const draco::PointCloud& cloud) {
-  const int count = cloud.num_attributes();
-  if (count != 1 && count != 2) return false;
-  const auto& position = *cloud.attribute(0);
-  if (!is_three_of(position, GeometryAttribute::POSITION) || position.data_type() != draco::DT_FLOAT32) return false;
-  if (count == 1) return true;
-  const auto& color = *cloud.attribute(1);
-  return is_three_of(color, GeometryAttribute::COLOR) && color_step(color.data_type()) != 0;
-}
-
-/// Stops after the attributes' descriptions when they are not the expected ones, so that no value of another kind is
-/// decoded: texture coordinates and normals are where decoding can become slow or crash.
-class ExpectedMeshDecoder : public draco::MeshEdgebreakerDecoder {
- protected:
-  bool CreateAttributesDecoder(int32_t id) override {
-    return id < 2 && draco::MeshEdgebreakerDecoder::CreateAttributesDecoder(id);
-  }
-  bool DecodeAllAttributes() override {
-    return has_expected_attributes(*point_cloud()) && draco::MeshEdgebreakerDecoder::DecodeAllAttributes();
-  }
-};
-
-template <class T>
-bool copy_values(const draco::PointAttribute& attribute, std::uint32_t points, std::vector<T>& values) {
-  const auto stride = static_cast<std::size_t>(attribute.byte_stride());
-  if (stride != sizeof(T) || attribute.buffer() == nullptr) return false;
-  if (attribute.buffer()->data_size() < attribute.size() * stride) return false;
-  values.resize(points);
-  for (std::uint32_t i = 0; i < points; ++i) {
-    const auto index = attribute.mapped_index(draco::PointIndex(i));
-    if (index.value() >= attribute.size()) return false;
-    attribute.GetValue(index, values[i].data());
-  }
-  return true;
-}
-
-Result<Submesh> to_submesh(const draco::Mesh& mesh) {
-  Submesh submesh;
-  std::vector<CodedColor> coded;
-  const bool has_colors = mesh.num_attributes() == 2;
-  if (!copy_values(*mesh.attribute(0), mesh.num_points(), submesh.positions) ||
-      (has_colors && !copy_values(*mesh.attribute(1), mesh.num_points(), coded))) {
-    return fail("the Draco payload has fewer values than vertices");
-  }
-  submesh.colors.reserve(coded.size());
-  const int step = has_colors ? color_step(mesh.attribute(1)->data_type()) : 1;
-  for (const auto& color : coded) submesh.colors.push_back(from_coded(color, step));
-  submesh.triangles.reserve(mesh.num_faces());
-  for (std::uint32_t t = 0; t < mesh.num_faces(); ++t) {
-    const auto& face = mesh.face(draco::FaceIndex(t));
-    submesh.triangles.push_back({face[0].value(), face[1].value(), face[2].value()});
-  }
-  return submesh;
-}
 
 Status check_claims(std::span<const std::byte> bytes, const DecodeLimits& limits) {
   const auto counts = read_draco_counts(bytes);
@@ -92,19 +28,13 @@ Status check_claims(std::span<const std::byte> bytes, const DecodeLimits& limits
 }
 
 Result<Submesh> decode_checked(std::span<const std::byte> bytes) {
-  draco::DecoderBuffer buffer;
-  buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  draco::Mesh mesh;
-  ExpectedMeshDecoder decoder;
-  if (const auto status = decoder.Decode(draco::DecoderOptions{}, &buffer, &mesh); !status.ok()) {
-    return fail(fmt::format("the Draco payload is damaged ({})", status.error_msg_string()));
-  }
-  if (buffer.remaining_size() != 0) return fail("bytes follow after the Draco payload's mesh");
-  auto submesh = to_submesh(mesh);
-  if (!submesh) return submesh;
-  if (auto ok = validate(*submesh); !ok) return fail("the Draco payload", ok.error());
-  if (!is_on_lattice(*submesh)) return fail("the Draco payload has positions off the scene's lattice");
-  return submesh;
+  auto part = read_draco_part(bytes);
+  if (!part) return fail(part.error());
+  auto& mesh = part->mesh;
+  if (auto ok = read_mesh_tail(bytes.subspan(part->bytes), mesh); !ok) return fail("the payload's end", ok.error());
+  if (auto ok = validate(mesh); !ok) return fail("the payload", ok.error());
+  if (!is_on_lattice(mesh)) return fail("the payload has positions off the scene's lattice");
+  return std::move(mesh);
 }
 
 Result<Submesh> decode_mesh(std::span<const std::byte> bytes, const DecodeLimits& limits) {

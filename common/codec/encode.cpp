@@ -1,6 +1,6 @@
 #include "common/codec/mesh_codec.h"
 
-#include <draco/compression/expert_encode.h>
+#include <draco/compression/mesh/mesh_edgebreaker_encoder.h>
 #include <draco/mesh/mesh.h>
 #include <fmt/format.h>
 
@@ -9,8 +9,10 @@
 #include <cstring>
 #include <exception>
 
-#include "common/codec/color_transform.h"
+#include "common/codec/border_offsets.h"
 #include "common/codec/draco_header.h"
+#include "common/codec/draco_part.h"
+#include "common/codec/mesh_tail.h"
 #include "common/codec/texture_frame.h"
 #include "common/mesh/lattice.h"
 
@@ -36,40 +38,13 @@ Submesh with_distinct_corners(const Submesh& submesh) {
   return distinct;
 }
 
-/// Colours in coarse steps, as a snapshot's are, are written as such.
-draco::DataType color_type(const std::vector<Rgb8>& colors) {
-  const auto in_steps = [](const Rgb8& color) { return (color.r | color.g | color.b) % kCoarseColorStep == 0; };
-  return std::all_of(colors.begin(), colors.end(), in_steps) ? draco::DT_INT8 : draco::DT_UINT8;
-}
-
-template <class T>
-int add_attribute(draco::Mesh& mesh, draco::GeometryAttribute::Type kind, draco::DataType type,
-                  const std::vector<T>& values) {
-  static_assert(std::is_trivially_destructible_v<T>);
+void fill(draco::Mesh& mesh, const Submesh& submesh) {
+  const auto& positions = submesh.positions;
+  mesh.set_num_points(static_cast<std::uint32_t>(positions.size()));
   draco::GeometryAttribute attribute;
-  attribute.Init(kind, nullptr, 3, type, kind == draco::GeometryAttribute::COLOR, sizeof(T), 0);
-  const int id = mesh.AddAttribute(attribute, true, static_cast<std::uint32_t>(values.size()));
-  mesh.attribute(id)->buffer()->Write(0, values.data(), values.size() * sizeof(T));
-  return id;
-}
-
-struct DracoMesh {
-  draco::Mesh mesh;
-  int position_id = -1;
-  int color_id = -1;
-};
-
-void fill(DracoMesh& target, const Submesh& submesh) {
-  auto& mesh = target.mesh;
-  mesh.set_num_points(static_cast<std::uint32_t>(submesh.positions.size()));
-  target.position_id = add_attribute(mesh, draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, submesh.positions);
-  if (submesh.has_colors()) {
-    const auto type = color_type(submesh.colors);
-    std::vector<CodedColor> coded(submesh.colors.size());
-    std::transform(submesh.colors.begin(), submesh.colors.end(), coded.begin(),
-                   [=](const Rgb8& color) { return to_coded(color, color_step(type)); });
-    target.color_id = add_attribute(mesh, draco::GeometryAttribute::COLOR, type, coded);
-  }
+  attribute.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_FLOAT32, false, sizeof(Eigen::Vector3f), 0);
+  const int id = mesh.AddAttribute(attribute, true, static_cast<std::uint32_t>(positions.size()));
+  mesh.attribute(id)->buffer()->Write(0, positions.data(), positions.size() * sizeof(Eigen::Vector3f));
   mesh.SetNumFaces(submesh.triangles.size());
   for (std::uint32_t t = 0; t < submesh.triangles.size(); ++t) {
     const auto& [a, b, c] = submesh.triangles[t];
@@ -84,9 +59,9 @@ struct Quantisation {
   float range = 0;
 };
 
-Result<Quantisation> quantisation_of(const Submesh& submesh) {
+Result<Quantisation> quantisation_of(const Submesh& submesh, int coarsening) {
   const auto bounds = submesh.bounds();
-  const float spacing_m = kLatticeSpacing_m * static_cast<float>(coarsening_of(submesh));
+  const float spacing_m = kLatticeSpacing_m * static_cast<float>(coarsening);
   const double width_m = bounds.sizes().cast<double>().maxCoeff();
   Quantisation chosen{bounds.min()};
   while (chosen.bits <= kMaxBits && width_m / spacing_m > (1 << chosen.bits) - 1) ++chosen.bits;
@@ -109,42 +84,93 @@ draco::Options exact_quantisation(const Quantisation& quantisation) {
   return options;
 }
 
+/// The only attribute that Draco gets.
+constexpr int kPositions = 0;
+
 /// What Draco chooses at a speed is the shorter one in large submeshes; small ones are written both ways.
 enum class Traversal { by_speed, standard };
 constexpr std::size_t kSmall = 1000;
 
-Result<std::vector<std::byte>> encode_with(const DracoMesh& source, const Quantisation& quantisation, int speed,
-                                           Traversal traversal) {
+struct Coded {
+  std::vector<std::byte> bytes;
+  /// The submesh's vertex of each position that was written.
+  std::vector<std::uint32_t> vertices;
+};
+
+Result<Coded> encode_with(const draco::Mesh& source, const Quantisation& quantisation, int speed, Traversal traversal) {
   auto options = draco::EncoderOptions::CreateDefaultOptions();
-  options.SetAttributeOptions(source.position_id, exact_quantisation(quantisation));
+  options.SetAttributeOptions(kPositions, exact_quantisation(quantisation));
   if (traversal == Traversal::standard)
     options.SetGlobalInt("edgebreaker_method", draco::MESH_EDGEBREAKER_STANDARD_ENCODING);
-  draco::ExpertEncoder encoder{source.mesh};
-  encoder.Reset(options);
-  encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
-  encoder.SetSpeedOptions(speed, speed);
-  // A parallelogram doubles the noise of a camera's pixels; the neighbour's colour predicts better.
-  if (source.color_id >= 0) encoder.SetAttributePredictionScheme(source.color_id, draco::PREDICTION_DIFFERENCE);
+  options.SetSpeed(speed, speed);
+  draco::MeshEdgebreakerEncoder encoder;
+  encoder.SetMesh(source);
   draco::EncoderBuffer buffer;
-  if (const auto status = encoder.EncodeToBuffer(&buffer); !status.ok()) {
+  if (const auto status = encoder.Encode(options, &buffer); !status.ok()) {
     return fail(fmt::format("Draco could not encode the submesh: {}", status.error_msg_string()));
   }
+  Coded coded;
   const auto bytes = std::as_bytes(std::span{buffer.data(), buffer.size()});
-  return std::vector<std::byte>{bytes.begin(), bytes.end()};
+  coded.bytes.assign(bytes.begin(), bytes.end());
+  for (const auto& corner : encoder.GetAttributeEncodingData(kPositions)->encoded_attribute_value_index_to_corner_map) {
+    coded.vertices.push_back(source.CornerToPointId(corner).value());
+  }
+  return coded;
+}
+
+/// With the traversal that gives the fewest bytes and that `decode` does not take for hostile.
+Result<Coded> encode_shortest(const Submesh& submesh, int coarsening, int speed) {
+  const auto quantisation = quantisation_of(submesh, coarsening);
+  if (!quantisation) return fail(quantisation.error());
+  draco::Mesh source;
+  fill(source, submesh);
+  auto coded = encode_with(source, *quantisation, speed, Traversal::by_speed);
+  if (!coded) return coded;
+  const std::size_t triangles = submesh.triangles.size();
+  const bool is_refused = triangles > kMaxTrianglesPerByte * coded->bytes.size();
+  if (triangles > kSmall && !is_refused) return coded;
+  auto standard = encode_with(source, *quantisation, speed, Traversal::standard);
+  return is_refused || (standard && standard->bytes.size() < coded->bytes.size()) ? standard : coded;
+}
+
+std::vector<std::byte> with_tail(Coded coded, const MeshTail& tail, const std::vector<bool>& is_border) {
+  const auto bytes = write_mesh_tail(tail, is_border);
+  coded.bytes.insert(coded.bytes.end(), bytes.begin(), bytes.end());
+  return std::move(coded.bytes);
+}
+
+/// Offsets: of each vertex from the lattice of this coarsening, or none. The result is empty where Draco has made
+/// another vertex of one that has an offset, and that one is not at the border.
+Result<std::vector<std::byte>> encode_parts(const Submesh& submesh, std::span<const LatticeOffset> offsets,
+                                            int coarsening, int speed) {
+  auto coded = encode_shortest(submesh, coarsening, speed);
+  if (!coded) return fail(coded.error());
+  if (!submesh.has_colors() && offsets.empty()) return with_tail(std::move(*coded), {}, {});
+  // Draco does not say how its decoder will number the vertices.
+  const auto part = read_draco_part(coded->bytes);
+  if (!part) return fail(part.error());
+  const auto is_border = border_vertices(part->mesh.triangles, part->mesh.positions.size());
+  MeshTail tail;
+  if (!offsets.empty()) tail.coarsening = coarsening;
+  for (std::size_t i = 0; i < part->written.size(); ++i) {
+    const auto vertex = coded->vertices[part->written[i]];
+    if (submesh.has_colors()) tail.colors.push_back(submesh.colors[vertex]);
+    if (offsets.empty()) continue;
+    if (!is_border[i] && offsets[vertex] != LatticeOffset{}) return std::vector<std::byte>{};
+    tail.offsets.push_back(offsets[vertex]);
+  }
+  return with_tail(std::move(*coded), tail, is_border);
 }
 
 Result<std::vector<std::byte>> encode_valid(const Submesh& submesh, int speed) {
-  const auto quantisation = quantisation_of(submesh);
-  if (!quantisation) return fail(quantisation.error());
-  DracoMesh source;
-  fill(source, with_distinct_corners(submesh));
-  auto bytes = encode_with(source, *quantisation, speed, Traversal::by_speed);
-  if (!bytes) return bytes;
-  const std::size_t triangles = submesh.triangles.size();
-  const bool is_refused = triangles > kMaxTrianglesPerByte * bytes->size();
-  if (triangles > kSmall && !is_refused) return bytes;
-  auto standard = encode_with(source, *quantisation, speed, Traversal::standard);
-  return is_refused || (standard && standard->size() < bytes->size()) ? standard : bytes;
+  const Submesh distinct = with_distinct_corners(submesh);
+  if (const int coarsening = coarsening_inside(distinct); coarsening > 1) {
+    Submesh coarse = distinct;
+    const auto offsets = take_offsets(coarse.positions, coarsening);
+    auto bytes = encode_parts(coarse, offsets, coarsening, speed);
+    if (bytes && !bytes->empty()) return bytes;
+  }
+  return encode_parts(distinct, {}, coarsening_of(distinct), speed);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
-// Submesh <-> Draco bytes (Edgebreaker), with the texture's JPEG beside them. The only user of Draco.
+// Submesh <-> Draco bytes (Edgebreaker), the colours after them, the texture's JPEG beside them. The only user of
+// Draco.
 #include <cstddef>
 #include <cstdint>
 #include <span>

@@ -1,6 +1,6 @@
 #pragma once
-// A payload with a texture, little-endian: "MTX1", bytes of the Draco mesh (uint32), the projection (12 float32, column
-// by column), the Draco mesh, the JPEG. A payload without one is a Draco mesh alone, which starts with "DRACO".
+// A payload with a texture, little-endian: "MTX1", bytes of the mesh (uint32), the projection (12 float32, column by
+// column), the mesh, the JPEG. A payload without one is the mesh alone, which starts with "DRACO".
 #include <cstddef>
 #include <span>
 #include <vector>

@@ -1,5 +1,5 @@
-// Payloads from the network, with and without a texture: an error or a valid mesh on the lattice, whose picture can be
-// decoded; never a crash.
+// Payloads from the network, with and without a texture or offsets at the border: an error or a valid mesh on the
+// lattice, whose picture can be decoded; never a crash.
 // Rooms: common/codec common/image
 #include <algorithm>
 #include <cstdint>
@@ -8,6 +8,7 @@
 #include <random>
 #include <span>
 
+#include "common/codec/border_offsets.h"
 #include "common/codec/mesh_codec.h"
 #include "common/image/jpeg_codec.h"
 #include "common/mesh/lattice.h"
@@ -42,6 +43,16 @@ Submesh bumpy_grid(std::uint32_t cells, bool colored) {
   return mesh;
 }
 
+/// On a coarse lattice, but for its border.
+Submesh joined(Submesh grid) {
+  const auto is_border = meshloop::border_vertices(grid.triangles, grid.positions.size());
+  std::vector<std::uint32_t> border;
+  for (std::uint32_t i = 0; i < is_border.size(); ++i) {
+    if (is_border[i]) border.push_back(i);
+  }
+  return meshloop::snap_to_lattice(std::move(grid), 2, border);
+}
+
 /// A picture seen along z, from a metre before the grid.
 std::shared_ptr<const meshloop::ProjectedTexture> picture(std::uint32_t side, unsigned seed) {
   meshloop::ColorImage image{static_cast<int>(side), static_cast<int>(side)};
@@ -57,8 +68,9 @@ std::vector<std::byte> real_payload(unsigned seed) {
   std::minstd_rand random{seed};
   const auto cells = static_cast<std::uint32_t>(2 + random() % 26);
   const int speeds[] = {0, 2, 5, 10};
-  const auto kind = random() % 3;
-  Submesh grid = bumpy_grid(cells, kind == 0);
+  const auto kind = random() % 4;
+  Submesh grid = bumpy_grid(cells, kind == 0 || kind == 3);
+  if (kind == 3) grid = joined(std::move(grid));
   if (kind == 1) grid.texture = picture(1 + static_cast<std::uint32_t>(random() % 24), seed);
   return meshloop::encode(grid, {speeds[random() % 4]}).value();
 }

@@ -1,0 +1,131 @@
+#include "common/codec/mesh_tail.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "common/codec/color_coder.h"
+#include "common/codec/mesh_codec.h"
+#include "meshes.h"
+
+namespace meshloop {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+std::string refusal(const Bytes& tail) {
+  Submesh mesh = test::strip(3);
+  const auto ok = read_mesh_tail(tail, mesh);
+  return ok ? std::string{} : ok.error().message;
+}
+
+TEST(MeshTail, OfNothingIsOneByte) {
+  EXPECT_EQ(write_mesh_tail({}, {}), Bytes{std::byte{0}});
+  EXPECT_EQ(refusal({std::byte{0}}), "");
+}
+
+TEST(MeshTail, IsRefusedWhenItIsMissingOrUnknown) {
+  EXPECT_NE(refusal({}).find("ends"), std::string::npos);
+  for (const int what : {3, 7, 16, 64, 128}) {
+    EXPECT_NE(refusal({static_cast<std::byte>(what), std::byte{0}}).find("unknown"), std::string::npos) << what;
+  }
+}
+
+TEST(MeshTail, IsRefusedWhereverItIsCutOrGoesOn) {
+  MeshTail tail;
+  for (int i = 0; i < 8; ++i) tail.colors.push_back({static_cast<std::uint8_t>(31 * i), 7, 9});
+  tail.coarsening = 4;
+  tail.offsets.resize(8);
+  tail.offsets[5] = {1, -2, 0};
+  const auto bytes = write_mesh_tail(tail, std::vector<bool>(8, true));
+  EXPECT_EQ(refusal(bytes), "");
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    EXPECT_NE(refusal({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)}).find("ends"),
+              std::string::npos)
+        << size;
+  }
+  auto longer = bytes;
+  longer.push_back(std::byte{0});
+  EXPECT_NE(refusal(longer).find("follow"), std::string::npos);
+  longer[1] = static_cast<std::byte>(std::to_integer<int>(longer[1]) + 1);  // and the length says so
+  longer.back() = std::byte{1};
+  longer.insert(longer.end() - 1, 8, std::byte{0});
+  longer[1] = static_cast<std::byte>(std::to_integer<int>(longer[1]) + 8);
+  EXPECT_NE(refusal(longer).find("follow"), std::string::npos);
+}
+
+TEST(MeshTail, GivesColorsAndOffsetsToTheVerticesTheyWereWrittenFor) {
+  Submesh mesh = test::strip(3);
+  const auto positions = mesh.positions;
+  MeshTail tail;
+  for (int i = 0; i < 8; ++i) tail.colors.push_back({static_cast<std::uint8_t>(31 * i), 255, 0});
+  tail.coarsening = 8;
+  tail.offsets.resize(8);
+  tail.offsets[5] = {3, -4, 0};
+  ASSERT_TRUE(read_mesh_tail(write_mesh_tail(tail, std::vector<bool>(8, true)), mesh));
+  EXPECT_EQ(mesh.colors, tail.colors);
+  for (std::size_t i = 0; i < 8; ++i) {
+    const Eigen::Vector3f moved = i == 5 ? Eigen::Vector3f{3, -4, 0} : Eigen::Vector3f::Zero();
+    EXPECT_EQ(mesh.positions[i], positions[i] + moved * kLatticeSpacing_m) << i;
+  }
+}
+
+TEST(ColorCoder, GivesAnyColorsBack) {
+  std::mt19937 random{8};
+  for (const unsigned step : {1U, static_cast<unsigned>(kCoarseColorStep)}) {
+    for (const std::size_t count : {0UL, 1UL, 2UL, 50UL, 20'000UL}) {
+      std::vector<Rgb8> colors;
+      while (colors.size() < count) {
+        const auto channel = [&] { return static_cast<std::uint8_t>(random() % 256 / step * step); };
+        colors.push_back({channel(), channel(), channel()});
+      }
+      BitEncoder out;
+      encode_colors(out, colors, static_cast<int>(step));
+      const auto bytes = out.finish();
+      BitDecoder in{bytes};
+      EXPECT_EQ(decode_colors(in, count, static_cast<int>(step)), colors);
+      EXPECT_TRUE(in.is_at_end());
+    }
+  }
+}
+
+TEST(ColorCoder, TakesAlmostNothingForOneColor) {
+  const std::vector<Rgb8> wall(1000, Rgb8{200, 192, 184});
+  BitEncoder out;
+  encode_colors(out, wall, kCoarseColorStep);
+  EXPECT_LT(out.finish().size(), 40U);
+}
+
+TEST(BitCoder, GivesBackBitsOfEveryLikelihood) {
+  std::mt19937 random{9};
+  for (int round = 0; round < 300; ++round) {
+    std::vector<bool> bits;
+    const auto ones = static_cast<unsigned>(round) % 101;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(round) * 7; ++i) bits.push_back(random() % 100 < ones);
+    BitEncoder out;
+    AdaptiveBit kind;
+    for (const bool bit : bits) {
+      out.encode(kind, bit);
+      out.encode_plain(bit ? 5 : 2, 3);
+    }
+    const auto bytes = out.finish();
+    BitDecoder in{bytes};
+    AdaptiveBit again;
+    for (const bool bit : bits) {
+      ASSERT_EQ(in.decode(again), bit);
+      ASSERT_EQ(in.decode_plain(3), bit ? 5U : 2U);
+    }
+    EXPECT_TRUE(in.is_at_end());
+  }
+}
+
+TEST(BitCoder, TakesLittleMoreThanTheEntropy) {
+  std::mt19937 random{10};
+  BitEncoder out;
+  AdaptiveBit kind;
+  for (int i = 0; i < 80'000; ++i) out.encode(kind, random() % 20 == 0);
+  EXPECT_LT(static_cast<double>(out.finish().size()), 1.04 * 0.2864 * 10'000);  // H(1/20) is 0.2864 bits
+}
+
+}  // namespace
+}  // namespace meshloop
