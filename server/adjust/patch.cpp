@@ -1,9 +1,11 @@
 #include "server/adjust/patch.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -136,10 +138,24 @@ std::vector<std::uint32_t> join_to_model(Submesh& patch, const Snapshot& snapsho
   return stitch(patch, std::move(border), *snapshot.model, view);
 }
 
-Submesh positions_of(const Submesh& patch, const std::vector<std::uint32_t>& vertices) {
-  Submesh some;
-  for (const auto i : vertices) some.positions.push_back(patch.positions[i]);
-  return some;
+using Place = std::array<float, 3>;
+
+Place place_of(const Eigen::Vector3f& p) {
+  return {p.x(), p.y(), p.z()};
+}
+
+std::set<Place> places_of(const Submesh& patch, const std::vector<std::uint32_t>& vertices) {
+  std::set<Place> places;
+  for (const auto i : vertices) places.insert(place_of(patch.positions[i]));
+  return places;
+}
+
+std::vector<std::uint32_t> vertices_at(const Submesh& patch, const std::set<Place>& places) {
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t i = 0; i < patch.positions.size(); ++i) {
+    if (places.contains(place_of(patch.positions[i]))) found.push_back(i);
+  }
+  return found;
 }
 
 // Two triangles a pixel: what is small depends on how many pixels there are.
@@ -214,13 +230,15 @@ Submesh make_patch(const Snapshot& snapshot, RegionId region, const AdjustOption
   patch.triangles = triangles_of(mesh, vertices);
   std::vector<std::uint32_t> joined;
   if (options.stitch) joined = join_to_model(patch, snapshot, mesh, vertices, sigma_of(grid, vertices));
-  // What lies on a plane is not as noisy as the sensor.
-  int coarse = parts.planes.empty() ? coarsening(grid, vertices, rig.depth) : 1;
-  if (!joined.empty()) coarse = std::min(coarse, coarsening_of(positions_of(patch, joined)));
-  if (options.decimate_sigmas > 0)
+  if (options.decimate_sigmas > 0) {
+    const auto shared = places_of(patch, joined);
     patch = decimate(patch, options.decimate_sigmas * sigma_of(grid, vertices), options.decimate_levels,
                      joined.empty() ? Border::decimated : Border::kept);
-  return snap_to_lattice(std::move(patch), coarse);
+    joined = vertices_at(patch, shared);
+  }
+  // What lies on a plane is not as noisy as the sensor.
+  const int coarse = parts.planes.empty() ? coarsening(grid, vertices, rig.depth) : 1;
+  return snap_to_lattice(std::move(patch), coarse, joined);
 }
 
 std::vector<Submesh> split(Submesh submesh, std::size_t max_triangles) {
