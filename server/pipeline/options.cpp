@@ -79,9 +79,10 @@ void SurfaceArguments::add_to(CLI::App& command) {
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
   command
-      .add_option("--stitch", stitch,
-                  "on: new surface ends in the same vertices as the surface that it continues (more bytes); off: it "
-                  "overlaps that by a pixel")
+      .add_option(
+          "--stitch", stitch,
+          "on: new surface ends in the same vertices as the surface that it continues; off: it overlaps that by "
+          "a pixel")
       ->check(CLI::IsMember({"on", "off"}))
       ->capture_default_str();
 }

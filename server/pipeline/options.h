@@ -48,7 +48,7 @@ struct SurfaceArguments {
   int fuse = 1;
   double decimate_sigmas = 0;
   std::string texture = "off";
-  std::string stitch = "off";
+  std::string stitch = "on";
 
   void add_to(CLI::App& command);
   [[nodiscard]] AdjustOptions adjust_options() const;
