@@ -19,6 +19,8 @@ constexpr double kMostHidden = 0.025;
 constexpr double kMostOutside = 0.03;
 constexpr double kLeastExplained = 0.96;
 constexpr double kMostStillThere = 0.1;
+/// Of what is seen of the part: less than that left is its outline's noise, and tells nothing.
+constexpr double kLeastLeft = 0.02;
 /// Of a region, of what is left open when it counts as closed.
 constexpr double kMostOpen = 0.1;
 /// Loose surface that the part shares so much of its own pixels with is its business.
@@ -222,7 +224,7 @@ MoveCheck check_move(const MoveScene& scene, const Part& part, const WithoutPart
   check.measured = share(counts.measured, counts.seen, 0);
   check.seen_px = counts.seen;
   check.hidden = share(counts.hidden, counts.covered, 1);
-  check.still_there = share(counts.still_there, counts.left, 0);
+  check.still_there = share(counts.still_there, std::max(counts.left, kLeastLeft * counts.seen), 0);
   check.explained = share_explained(pieces, counts.seen);
   check.outside = share_outside(scene, part, T_camera_node);
   check.closes = closed_regions(scene, check);

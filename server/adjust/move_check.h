@@ -25,7 +25,8 @@ struct MoveCheck {
   double outside = 0;
   /// Of the loose surface that the part touches: it is the part's.
   double explained = 0;
-  /// Of the pixels of its old place that it left: the part is measured there still.
+  /// Of the pixels of its old place that it left (at least a fiftieth of what is seen of it counts as left): the part
+  /// is measured there still.
   double still_there = 0;
   /// Regions of which the part at its new place leaves at most a tenth.
   std::vector<RegionId> closes;
