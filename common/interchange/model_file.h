@@ -34,7 +34,7 @@ struct LengthUnit {
 [[nodiscard]] std::string to_text(const LengthUnit& unit);
 
 struct ImportOptions {
-  /// Parts with more triangles are split in space, so that one network sample stays below 1 MB.
+  /// Parts with more triangles are split, things before space (split.h), so that one network sample stays below 1 MB.
   std::size_t max_triangles_per_part = 60'000;
   /// Processor seconds that reading may take.
   unsigned max_seconds = 60;

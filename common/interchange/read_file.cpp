@@ -86,7 +86,7 @@ void add_split(ImportedPart part, std::size_t max_triangles, std::vector<Importe
     parts.push_back(std::move(part));
     return;
   }
-  auto pieces = split_in_space(part.submesh, max_triangles);
+  auto pieces = split(part.submesh, max_triangles);
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     parts.push_back({fmt::format("{}.{}", part.name, i + 1), std::move(pieces[i])});
   }

@@ -1,9 +1,12 @@
 #include "common/interchange/split.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <numeric>
 #include <span>
+
+#include "common/base/connected.h"
 
 namespace meshloop {
 namespace {
@@ -62,16 +65,72 @@ class Pieces {
   std::vector<std::uint32_t> new_index_;
 };
 
+/// What hangs together by vertices in one place, with at least so many triangles, is a thing; of more than the largest
+/// few the rest is surroundings.
+constexpr std::size_t kLeastOfThing = 500;
+constexpr std::size_t kMostThings = 32;
+
+/// For each triangle the first vertex of what it hangs together with.
+std::vector<std::uint32_t> components_of(const Submesh& submesh) {
+  std::vector<std::uint32_t> by_place(submesh.positions.size());
+  std::iota(by_place.begin(), by_place.end(), 0U);
+  const auto coordinates = [&](std::uint32_t i) {
+    const auto& p = submesh.positions[i];
+    return std::array{p.x(), p.y(), p.z()};
+  };
+  std::sort(by_place.begin(), by_place.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return coordinates(a) < coordinates(b); });
+  Connected connected{submesh.positions.size()};
+  for (std::size_t i = 1; i < by_place.size(); ++i) {
+    if (coordinates(by_place[i - 1]) == coordinates(by_place[i])) connected.join(by_place[i - 1], by_place[i]);
+  }
+  for (const auto& [a, b, c] : submesh.triangles) {
+    connected.join(a, b);
+    connected.join(b, c);
+  }
+  std::vector<std::uint32_t> component;
+  component.reserve(submesh.triangles.size());
+  for (const auto& triangle : submesh.triangles) component.push_back(connected.first_of(triangle[0]));
+  return component;
+}
+
+/// Triangles of the things that fit into one piece, each on its own, and all the others.
+struct Things {
+  std::vector<std::vector<std::uint32_t>> things;
+  std::vector<std::uint32_t> others;
+};
+
+Things things_of(const Submesh& submesh, std::size_t max_triangles) {
+  const auto component = components_of(submesh);
+  std::vector<std::vector<std::uint32_t>> members(submesh.positions.size());
+  for (std::uint32_t t = 0; t < component.size(); ++t) members[component[t]].push_back(t);
+  Things found;
+  for (auto& triangles : members) {
+    if (triangles.size() >= kLeastOfThing && triangles.size() <= max_triangles)
+      found.things.push_back(std::move(triangles));
+    else
+      found.others.insert(found.others.end(), triangles.begin(), triangles.end());
+  }
+  std::stable_sort(found.things.begin(), found.things.end(),
+                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  for (; found.things.size() > kMostThings; found.things.pop_back()) {
+    const auto& triangles = found.things.back();
+    found.others.insert(found.others.end(), triangles.begin(), triangles.end());
+  }
+  return found;
+}
+
 }  // namespace
 
-std::vector<Submesh> split_in_space(const Submesh& submesh, std::size_t max_triangles) {
+std::vector<Submesh> split(const Submesh& submesh, std::size_t max_triangles) {
   const std::size_t limit = std::max<std::size_t>(max_triangles, 1);
   if (submesh.triangles.size() <= limit) return {submesh};
-  std::vector<std::uint32_t> ids(submesh.triangles.size());
-  std::iota(ids.begin(), ids.end(), 0u);
+  auto [things, others] = things_of(submesh, limit);
   std::vector<Submesh> pieces;
   Pieces maker{submesh};
-  std::vector<TriangleIds> open{ids};
+  for (auto& thing : things) pieces.push_back(maker.make(thing));
+  std::vector<TriangleIds> open;
+  if (!others.empty()) open.push_back(others);
   while (!open.empty()) {
     const TriangleIds group = open.back();
     open.pop_back();

@@ -253,11 +253,26 @@ TEST(Weld, JoinsEqualVerticesAndKeepsDifferentColorsApart) {
   EXPECT_EQ(test::faces_of(joined), test::faces_of(soup));
 }
 
+TEST(Split, LeavesWhatHangsTogetherWhole) {
+  Submesh both = test::grid(40);  // a thing stands in the middle of a table of twice as many triangles
+  const std::size_t of_table = both.triangles.size();
+  const Submesh thing = test::grid(20);
+  const auto first = static_cast<std::uint32_t>(both.positions.size());
+  for (const auto& p : thing.positions) both.positions.emplace_back(p + Eigen::Vector3f{0.25F, 0.25F, 0.5F});
+  for (const auto& [a, b, c] : thing.triangles) both.triangles.push_back({first + a, first + b, first + c});
+  const auto pieces = split(both, of_table / 2);
+  ASSERT_EQ(pieces.size(), 3U);
+  EXPECT_EQ(test::faces_of(pieces[0]).size(), thing.triangles.size());
+  EXPECT_GE(pieces[0].bounds().min().z(), 0.5F);
+  EXPECT_EQ(pieces[1].triangles.size() + pieces[2].triangles.size(), of_table);
+  EXPECT_LT(pieces[1].bounds().max().z(), 0.5F);
+}
+
 TEST(Split, CutsStackedTrianglesToo) {
   Submesh stacked = test::grid(1);
   for (int i = 0; i < 6; ++i) stacked.triangles.push_back(stacked.triangles[0]);
   std::size_t count = 0;
-  for (const auto& piece : split_in_space(stacked, 1)) {
+  for (const auto& piece : split(stacked, 1)) {
     EXPECT_EQ(piece.triangles.size(), 1u);
     ++count;
   }
