@@ -82,6 +82,16 @@ std::optional<std::string> reason_against_registration(const Registration& regis
                      correction_text(registration.found), registration.disagreement_sigmas, kWhatToDo);
 }
 
+std::optional<std::string> reason_against_unconfirmed(const Registration& registration, const Model& model) {
+  constexpr double kLeastConfirming = 0.2;
+  constexpr int kLeastPoints = 100;
+  if (model.triangle_count() == 0) return std::nullopt;
+  if (registration.share_agreeing >= kLeastConfirming && registration.points >= kLeastPoints) return std::nullopt;
+  return "nothing confirms the pose that was given: hardly anything that is measured is where the model has it; let "
+         "the "
+         "camera see what the model has, or markers";
+}
+
 std::optional<std::string> reason_against_rings(const EdgeRings& rings) {
   if (!rings.is_misregistered()) return std::nullopt;
   return fmt::format(

@@ -28,6 +28,10 @@ struct CameraMotion {
 /// What has not changed asks for a pose that lies beside the snapshot's by more than five sigma of both, half of the
 /// model's surface agrees there, and nearly all that tells both poses apart is nearer to it (Registration).
 [[nodiscard]] std::optional<std::string> reason_against_registration(const Registration& registration);
+/// Of a pose that goes back to one that was given, and to nothing that was seen since: hardly any of the model confirms
+/// it (less than a fifth of what is expected, or 100 points). A model without triangles need not.
+[[nodiscard]] std::optional<std::string> reason_against_unconfirmed(const Registration& registration,
+                                                                    const Model& model);
 /// Outlines all over the picture are ringed, closer on one side and farther on the other (EdgeRings).
 [[nodiscard]] std::optional<std::string> reason_against_rings(const EdgeRings& rings);
 

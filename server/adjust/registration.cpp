@@ -188,6 +188,7 @@ double median_depth(const std::vector<Measured>& points) {
 
 std::optional<std::string> reason_to_refuse(const Fit& before, const Fit& after, const Twist& correction,
                                             const PoseCovariance& prior) {
+  if (after.looked_at == 0) return "nothing of the model is in view";
   if (after.agreeing < kLeastShare * after.looked_at) return "too little of the model agrees with what is measured";
   if (after.cost * before.looked_at > (1 - kBetter) * before.cost * after.looked_at)
     return "it does not bring the points nearer to the model";

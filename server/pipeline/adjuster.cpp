@@ -86,6 +86,8 @@ ProposedChanges propose_changes(const TrackedFrame& tracked, const Examination& 
   ProposedChanges changes;
   changes.registration = refine_pose(snapshot);
   changes.withheld = reason_against_registration(changes.registration);
+  if (!changes.withheld && !tracked.has_reference)
+    changes.withheld = reason_against_unconfirmed(changes.registration, *model);
   changes.rings = find_edge_rings(examination.comparison, tracked.frame.depth, rig.depth, rig.sensor);
   if (!changes.withheld) changes.withheld = reason_against_rings(changes.rings);
   if (changes.withheld) return changes;

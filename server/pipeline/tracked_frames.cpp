@@ -30,11 +30,12 @@ TrackedPose given_pose(const Trajectory& trajectory, double timestamp_s) {
 }  // namespace
 
 TrackedFrames::TrackedFrames(std::unique_ptr<RgbdSource> source, std::optional<Trajectory> trajectory,
-                             std::unique_ptr<RigTracker> tracker, bool skip_unreadable)
+                             std::unique_ptr<RigTracker> tracker, bool skip_unreadable, bool has_reference)
     : source_{std::move(source)},
       trajectory_{std::move(trajectory)},
       tracker_{std::move(tracker)},
-      skip_unreadable_{skip_unreadable} {}
+      skip_unreadable_{skip_unreadable},
+      has_reference_{has_reference} {}
 
 Result<TrackedFrames> TrackedFrames::create(std::unique_ptr<RgbdSource> source, PoseOptions options) {
   std::unique_ptr<RigTracker> tracker;
@@ -43,7 +44,10 @@ Result<TrackedFrames> TrackedFrames::create(std::unique_ptr<RgbdSource> source, 
     if (!made) return fail(made.error());
     tracker = std::move(*made);
   }
-  return TrackedFrames{std::move(source), std::move(options.trajectory), std::move(tracker), options.skip_unreadable};
+  const auto& markers = options.tracker.markers;
+  const bool has_reference = options.trajectory || (markers && !markers->markers.empty());
+  return TrackedFrames{std::move(source), std::move(options.trajectory), std::move(tracker), options.skip_unreadable,
+                       has_reference};
 }
 
 TrackedPose TrackedFrames::color_pose_of(const RgbdFrame& frame) {
@@ -64,7 +68,7 @@ Result<std::optional<TrackedFrame>> TrackedFrames::track_one() {
     if (!*frame) return std::nullopt;
     read_any_ = true;
     const Stopwatch watch;
-    TrackedFrame tracked{std::move(**frame), {}, {}, 0};
+    TrackedFrame tracked{std::move(**frame), {}, {}, 0, has_reference_};
     tracked.color_pose = color_pose_of(tracked.frame);
     tracked.track_ms = watch.milliseconds();
     return tracked;

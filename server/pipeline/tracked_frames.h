@@ -27,6 +27,8 @@ struct TrackedFrame {
   TrackedPose color_pose;
   TrackedPose depth_pose;
   double track_ms = 0;
+  /// Markers or a trajectory hold the pose; else it goes back to a first pose that was given.
+  bool has_reference = true;
 };
 
 /// A depth image is exposed between two colour images, so a frame comes out when the next one was tracked.
@@ -47,7 +49,7 @@ class TrackedFrames {
 
  private:
   TrackedFrames(std::unique_ptr<RgbdSource> source, std::optional<Trajectory> trajectory,
-                std::unique_ptr<RigTracker> tracker, bool skip_unreadable);
+                std::unique_ptr<RigTracker> tracker, bool skip_unreadable, bool has_reference);
   [[nodiscard]] Result<std::optional<TrackedFrame>> track_one();
   [[nodiscard]] TrackedPose color_pose_of(const RgbdFrame& frame);
   [[nodiscard]] TrackedFrame finished(TrackedFrame frame, const ColorPoses& color) const;
@@ -56,6 +58,7 @@ class TrackedFrames {
   std::optional<Trajectory> trajectory_;
   std::unique_ptr<RigTracker> tracker_;
   bool skip_unreadable_;
+  bool has_reference_;
   bool read_any_ = false;
   std::optional<TrackedFrame> waiting_;
   std::optional<Error> failure_;

@@ -178,6 +178,26 @@ TEST(Gates, DISABLED_Figures) {
   });
 }
 
+TEST(Gates, AskTheModelToConfirmAPoseThatWasGiven) {
+  Registration seen;
+  seen.share_agreeing = 0.3;
+  seen.points = 500;
+  Model room;
+  Submesh wall;
+  wall.positions = {{0, 0, 2}, {1, 0, 2}, {0, 1, 2}};
+  wall.triangles = {{0, 1, 2}};
+  room.nodes.push_back(make_node(1, "wall", wall));
+  EXPECT_FALSE(reason_against_unconfirmed(seen, room));
+  Registration other = seen;
+  other.share_agreeing = 0.1;
+  EXPECT_TRUE(reason_against_unconfirmed(other, room));
+  other = seen;
+  other.points = 20;
+  EXPECT_TRUE(reason_against_unconfirmed(other, room));
+  EXPECT_TRUE(reason_against_unconfirmed({}, room));
+  EXPECT_FALSE(reason_against_unconfirmed({}, Model{})) << "the first surface of a scene has nothing to fit";
+}
+
 TEST(Gates, TellAMovingCamera) {
   Rig rig;
   rig.depth = {640, 480, 585, 585, 319.5, 239.5, {}};
