@@ -262,4 +262,13 @@ answer = station.do(f"accept {leave}")
 programs.check(answer.get("refused") is None and listed(partly)[leave]["state"] == "accepted",
                f"what was told can be accepted: {answer.get('refused')}")
 programs.check(station.end() == 0, "it ends well")
+
+print("-- what moved, in a room that is one mesh")
+room = path / "room.db"
+programs.run(STATION, "scene", "import", "--scene", room, data / "model_before_move.ply")
+for frame in (84, 91, 98, 110):  # the box has come nearer, and hides where it was; in the last one it went aside
+    _, seen = adjust(room, frame)
+    moves = [p["effect"] for p in seen["proposals"] if "moves" in p["effect"]]
+    programs.check(len(moves) == 1 and len(seen["proposals"]) == 1 and "by 20 mm and 0 degrees" in moves[0],
+                   f"frame {frame}: {[p['effect'] for p in seen['proposals']]}")
 programs.end()
