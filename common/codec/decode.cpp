@@ -17,9 +17,10 @@ namespace {
 Status check_claims(std::span<const std::byte> bytes, const DecodeLimits& limits) {
   const auto counts = read_draco_counts(bytes);
   if (!counts) return fail(counts.error());
-  if (counts->vertices > limits.max_vertices || counts->faces > limits.max_triangles) {
-    return fail(fmt::format("the payload claims {} vertices and {} triangles; at most {} and {} are accepted",
-                            counts->vertices, counts->faces, limits.max_vertices, limits.max_triangles));
+  if (counts->most_vertices() > limits.max_vertices || counts->faces > limits.max_triangles) {
+    return fail(
+        fmt::format("the payload claims {} vertices with splits and {} triangles; at most {} and {} are accepted",
+                    counts->most_vertices(), counts->faces, limits.max_vertices, limits.max_triangles));
   }
   if (counts->faces > kMaxTrianglesPerByte * bytes.size()) {
     return fail("the payload claims more triangles than its bytes can hold");
@@ -27,10 +28,12 @@ Status check_claims(std::span<const std::byte> bytes, const DecodeLimits& limits
   return {};
 }
 
-Result<Submesh> decode_checked(std::span<const std::byte> bytes) {
+Result<Submesh> decode_checked(std::span<const std::byte> bytes, const DecodeLimits& limits) {
   auto part = read_draco_part(bytes);
   if (!part) return fail(part.error());
   auto& mesh = part->mesh;
+  // The claims bound it; this does not rely on Draco keeping to them.
+  if (mesh.positions.size() > limits.max_vertices) return fail("the payload has more vertices than it claims");
   if (auto ok = read_mesh_tail(bytes.subspan(part->bytes), mesh); !ok) return fail("the payload's end", ok.error());
   if (auto ok = validate(mesh); !ok) return fail("the payload", ok.error());
   if (!is_on_lattice(mesh)) return fail("the payload has positions off the scene's lattice");
@@ -40,7 +43,7 @@ Result<Submesh> decode_checked(std::span<const std::byte> bytes) {
 Result<Submesh> decode_mesh(std::span<const std::byte> bytes, const DecodeLimits& limits) {
   if (auto ok = check_claims(bytes, limits); !ok) return fail(ok.error());
   try {
-    return decode_checked(bytes);
+    return decode_checked(bytes, limits);
   } catch (const std::exception& error) {
     return fail(fmt::format("the Draco payload is damaged ({})", error.what()));
   }

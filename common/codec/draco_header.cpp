@@ -72,11 +72,12 @@ Result<DracoCounts> read_draco_counts(std::span<const std::byte> bytes) {
   }
   // Traversal 1 is deprecated; no encoder of bitstream 2.2 writes it.
   if (*traversal != 0 && *traversal != 2) return fail("the Draco payload has an unknown traversal");
-  if (*faces == 0 || *vertices < 3 || *vertices > 3 * *faces || *symbols > *faces || *splits > *symbols ||
-      *connectivities > 1) {
+  // With seams the decoder would make up to three vertices of each face.
+  if (*connectivities != 0) return fail("the Draco payload has attributes with seams, which no station writes");
+  if (*faces == 0 || *vertices < 3 || *vertices > 3 * *faces || *symbols > *faces || *splits > *symbols) {
     return fail("the counts in the Draco payload contradict each other");
   }
-  return DracoCounts{*vertices, *faces, *connectivities, *symbols, *splits};
+  return DracoCounts{*vertices, *faces, *symbols, *splits};
 }
 
 }  // namespace meshloop

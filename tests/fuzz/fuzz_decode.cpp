@@ -91,6 +91,8 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto mesh = meshloop::decode(std::as_bytes(std::span{data, size}), kLimits);
+  if (mesh && mesh->positions.size() > kLimits.max_vertices) std::abort();
+  if (mesh && mesh->triangles.size() > kLimits.max_triangles) std::abort();
   if (mesh && (!meshloop::validate(*mesh) || !meshloop::is_on_lattice(*mesh))) std::abort();
   if (mesh && !meshloop::vertex_colors(*mesh)) std::abort();
   return 0;

@@ -74,9 +74,10 @@ TEST(HostileBytes, OtherFormatsAreNamed) {
 TEST(HostileBytes, LimitsHoldBeforeDecoding) {
   const auto bytes = good_bytes();
   EXPECT_NE(refusal(bytes, {.max_bytes = bytes.size() - 1}).find("bytes"), std::string::npos);
-  EXPECT_NE(refusal(bytes, {.max_vertices = 1199}).find("claims 1200 vertices"), std::string::npos);
+  EXPECT_NE(refusal(bytes, {.max_vertices = 1199}).find("claims 1228 vertices"), std::string::npos);
+  EXPECT_NE(refusal(bytes, {.max_vertices = 1227}).find("claims 1228 vertices"), std::string::npos);
   EXPECT_NE(refusal(bytes, {.max_triangles = 2261}).find("2262 triangles"), std::string::npos);
-  EXPECT_EQ(refusal(bytes, {.max_bytes = bytes.size(), .max_vertices = 1200, .max_triangles = 2262}), "");
+  EXPECT_EQ(refusal(bytes, {.max_bytes = bytes.size(), .max_vertices = 1228, .max_triangles = 2262}), "");
 }
 
 TEST(HostileBytes, LargeClaimsInShortPayloadsCostNothing) {
@@ -90,6 +91,24 @@ TEST(HostileBytes, LargeClaimsInShortPayloadsCostNothing) {
   EXPECT_NE(refusal(claim(12, 10, 10, 11)).find("contradict"), std::string::npos);
   EXPECT_NE(refusal(claim(3, 0, 0, 0)).find("contradict"), std::string::npos);
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+}
+
+TEST(HostileBytes, SplitsCountAsVertices) {
+  EXPECT_NE(refusal(claim(1'000'000, 3'900'000, 3'900'000, 1'000'001)).find("claims 2000001 vertices"),
+            std::string::npos);
+  EXPECT_NE(refusal(claim(1'000'000, 3'900'000, 3'900'000, 1'000'000)).find("more triangles than its bytes"),
+            std::string::npos);
+  EXPECT_NE(refusal(claim(12, 2'100'000, 2'100'000, 2'100'000)).find("vertices"), std::string::npos);
+}
+
+TEST(HostileBytes, SeamsAreRefused) {
+  for (const int speed : {0, 2, 5, 10}) {
+    auto bytes = encode(depth_grid(40, 30), {speed}).value();
+    constexpr std::size_t kConnectivities = 16;  // after the header, the traversal and two counts of two bytes
+    ASSERT_EQ(bytes[kConnectivities], std::byte{0});
+    bytes[kConnectivities] = std::byte{1};
+    EXPECT_NE(refusal(bytes).find("seams"), std::string::npos) << refusal(bytes);
+  }
 }
 
 /// The payload with a few bytes changed, in one of the ways in which bytes go wrong.
@@ -106,6 +125,7 @@ std::vector<std::byte> damaged(std::vector<std::byte> bytes, std::mt19937& rando
 }
 
 TEST(HostileBytes, RandomDamageEndsInAnErrorOrAValidMesh) {
+  constexpr DecodeLimits kLimits{.max_vertices = 500};  // the grid's 432, and what its splits take
   std::mt19937 random{11};
   auto small = depth_grid(24, 18);
   std::vector<std::vector<std::byte>> seeds;
@@ -114,12 +134,13 @@ TEST(HostileBytes, RandomDamageEndsInAnErrorOrAValidMesh) {
   for (const int speed : {0, 2, 5, 10}) seeds.push_back(encode(small, {speed}).value());
   int refused = 0;
   for (int round = 0; round < 4000; ++round) {
-    const auto decoded = decode(damaged(seeds[random() % seeds.size()], random));
+    const auto decoded = decode(damaged(seeds[random() % seeds.size()], random), kLimits);
     if (!decoded) {
       ++refused;
       EXPECT_FALSE(decoded.error().message.empty());
       continue;
     }
+    ASSERT_LE(decoded->positions.size(), kLimits.max_vertices);
     ASSERT_TRUE(validate(*decoded));
     ASSERT_TRUE(is_on_lattice(*decoded));
   }
