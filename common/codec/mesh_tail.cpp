@@ -1,7 +1,6 @@
 #include "common/codec/mesh_tail.h"
 
 #include <bit>
-#include <optional>
 
 #include "common/codec/color_coder.h"
 #include "common/mesh/lattice.h"
@@ -11,23 +10,9 @@ namespace {
 
 enum Colors : unsigned { kNoColors = 0, kAllColors = 1, kCoarseColors = 2 };
 
-void append_length(std::vector<std::byte>& bytes, std::size_t length) {
-  for (; length > 127; length >>= 7) bytes.push_back(static_cast<std::byte>(length | 0x80));
-  bytes.push_back(static_cast<std::byte>(length));
-}
-
-std::optional<std::size_t> take_length(std::span<const std::byte>& bytes) {
-  std::size_t length = 0;
-  for (unsigned shift = 0; shift < 35 && !bytes.empty(); shift += 7) {
-    const auto next = std::to_integer<std::size_t>(bytes.front());
-    bytes = bytes.subspan(1);
-    length |= (next & 0x7f) << shift;
-    if ((next & 0x80) == 0) return length;
-  }
-  return std::nullopt;
-}
-
 Status read_coded(std::span<const std::byte> bytes, unsigned colors, int coarsening, Submesh& mesh) {
+  // No writer leaves a zero at the end.
+  if (!bytes.empty() && bytes.back() == std::byte{0}) return fail("bytes follow after the mesh");
   BitDecoder in{bytes};
   if (colors != kNoColors)
     mesh.colors = decode_colors(in, mesh.positions.size(), colors == kCoarseColors ? kCoarseColorStep : 1);
@@ -50,7 +35,6 @@ std::vector<std::byte> write_mesh_tail(const MeshTail& tail, const std::vector<b
   encode_colors(out, tail.colors, step);
   if (tail.coarsening > 1) encode_offsets(out, tail.offsets, is_border, tail.coarsening);
   const auto coded = out.finish();
-  append_length(bytes, coded.size());
   bytes.insert(bytes.end(), coded.begin(), coded.end());
   return bytes;
 }
@@ -63,9 +47,6 @@ Status read_mesh_tail(std::span<const std::byte> bytes, Submesh& mesh) {
   if (colors > kCoarseColors || power > 3) return fail("an unknown part follows after the mesh");
   bytes = bytes.subspan(1);
   if (what == 0) return bytes.empty() ? Status{} : fail("bytes follow after the mesh");
-  const auto length = take_length(bytes);
-  if (!length || *length > bytes.size()) return fail("the payload ends early");
-  if (*length < bytes.size()) return fail("bytes follow after the mesh");
   return read_coded(bytes, colors, 1 << power, mesh);
 }
 
