@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstring>
 #include <exception>
+#include <optional>
+#include <utility>
 
 #include "common/codec/border_offsets.h"
 #include "common/codec/draco_header.h"
@@ -59,16 +61,20 @@ struct Quantisation {
   float range = 0;
 };
 
-Result<Quantisation> quantisation_of(const Submesh& submesh, int coarsening) {
+Status check_width(const Submesh& submesh) {
+  const double width_m = submesh.bounds().sizes().cast<double>().maxCoeff();
+  if (width_m <= kMaxWidth_m) return {};
+  return fail(
+      fmt::format("the submesh is {:.0f} m wide, and at most {:.0f} m can be encoded; split it", width_m, kMaxWidth_m));
+}
+
+/// Of a submesh that is not too wide.
+Quantisation quantisation_of(const Submesh& submesh, int coarsening) {
   const auto bounds = submesh.bounds();
   const float spacing_m = kLatticeSpacing_m * static_cast<float>(coarsening);
   const double width_m = bounds.sizes().cast<double>().maxCoeff();
   Quantisation chosen{bounds.min()};
-  while (chosen.bits <= kMaxBits && width_m / spacing_m > (1 << chosen.bits) - 1) ++chosen.bits;
-  if (width_m > kMaxWidth_m) {
-    return fail(fmt::format("the submesh is {:.0f} m wide, and at most {:.0f} m can be encoded; split it", width_m,
-                            kMaxWidth_m));
-  }
+  while (chosen.bits < kMaxBits && width_m / spacing_m > (1 << chosen.bits) - 1) ++chosen.bits;
   chosen.range = spacing_m * static_cast<float>((1 << chosen.bits) - 1);
   return chosen;
 }
@@ -121,15 +127,14 @@ Result<Coded> encode_with(const draco::Mesh& source, const Quantisation& quantis
 /// With the traversal that gives the fewest bytes and that `decode` does not take for hostile.
 Result<Coded> encode_shortest(const Submesh& submesh, int coarsening, int speed) {
   const auto quantisation = quantisation_of(submesh, coarsening);
-  if (!quantisation) return fail(quantisation.error());
   draco::Mesh source;
   fill(source, submesh);
-  auto coded = encode_with(source, *quantisation, speed, Traversal::by_speed);
+  auto coded = encode_with(source, quantisation, speed, Traversal::by_speed);
   if (!coded) return coded;
   const std::size_t triangles = submesh.triangles.size();
   const bool is_refused = triangles > kMaxTrianglesPerByte * coded->bytes.size();
   if (triangles > kSmall && !is_refused) return coded;
-  auto standard = encode_with(source, *quantisation, speed, Traversal::standard);
+  auto standard = encode_with(source, quantisation, speed, Traversal::standard);
   return is_refused || (standard && standard->bytes.size() < coded->bytes.size()) ? standard : coded;
 }
 
@@ -139,10 +144,11 @@ std::vector<std::byte> with_tail(Coded coded, const MeshTail& tail, const std::v
   return std::move(coded.bytes);
 }
 
-/// Offsets: of each vertex from the lattice of this coarsening, or none. The result is empty where Draco has made
-/// another vertex of one that has an offset, and that one is not at the border.
-Result<std::vector<std::byte>> encode_parts(const Submesh& submesh, std::span<const LatticeOffset> offsets,
-                                            int coarsening, int speed) {
+/// Offsets: of each vertex from the lattice of this coarsening, or none. No bytes where Draco has made another vertex
+/// of one that has an offset, and that one is not at the border.
+Result<std::optional<std::vector<std::byte>>> encode_parts(const Submesh& submesh,
+                                                           std::span<const LatticeOffset> offsets, int coarsening,
+                                                           int speed) {
   auto coded = encode_shortest(submesh, coarsening, speed);
   if (!coded) return fail(coded.error());
   if (!submesh.has_colors() && offsets.empty()) return with_tail(std::move(*coded), {}, {});
@@ -156,7 +162,7 @@ Result<std::vector<std::byte>> encode_parts(const Submesh& submesh, std::span<co
     const auto vertex = coded->vertices[part->written[i]];
     if (submesh.has_colors()) tail.colors.push_back(submesh.colors[vertex]);
     if (offsets.empty()) continue;
-    if (!is_border[i] && offsets[vertex] != LatticeOffset{}) return std::vector<std::byte>{};
+    if (!is_border[i] && offsets[vertex] != LatticeOffset{}) return std::nullopt;
     tail.offsets.push_back(offsets[vertex]);
   }
   return with_tail(std::move(*coded), tail, is_border);
@@ -168,9 +174,12 @@ Result<std::vector<std::byte>> encode_valid(const Submesh& submesh, int speed) {
     Submesh coarse = distinct;
     const auto offsets = take_offsets(coarse.positions, coarsening);
     auto bytes = encode_parts(coarse, offsets, coarsening, speed);
-    if (bytes && !bytes->empty()) return bytes;
+    if (!bytes) return fail(bytes.error());
+    if (*bytes) return std::move(**bytes);
   }
-  return encode_parts(distinct, {}, coarsening_of(distinct), speed);
+  auto bytes = encode_parts(distinct, {}, coarsening_of(distinct), speed);
+  if (!bytes) return fail(bytes.error());
+  return std::move(**bytes);  // there are none only where there are offsets
 }
 
 }  // namespace
@@ -180,6 +189,7 @@ Result<std::vector<std::byte>> encode(const Submesh& submesh, const EncodeOption
   if (!is_on_lattice(submesh)) {
     return fail("the submesh has positions off the scene's lattice; move them there with snap_to_lattice");
   }
+  if (auto ok = check_width(submesh); !ok) return fail(ok.error());
   try {
     auto mesh = encode_valid(submesh, std::clamp(options.speed, 0, 10));
     if (!mesh || !submesh.texture) return mesh;
