@@ -93,9 +93,13 @@ draco::Options exact_quantisation(const Quantisation& quantisation) {
 /// The only attribute that Draco gets.
 constexpr int kPositions = 0;
 
-/// What Draco chooses at a speed is the shorter one in large submeshes; small ones are written both ways.
-enum class Traversal { by_speed, standard };
+/// Valence is the shorter one in large submeshes; small ones are written both ways. Draco's own choice is standard for
+/// all that have less than 1,000 triangles.
+using Traversal = draco::MeshEdgebreakerConnectivityEncodingMethod;
+constexpr Traversal kStandard = draco::MESH_EDGEBREAKER_STANDARD_ENCODING;
+constexpr Traversal kValence = draco::MESH_EDGEBREAKER_VALENCE_ENCODING;
 constexpr std::size_t kSmall = 1000;
+constexpr int kSpeedOfStandard = 5;
 
 struct Coded {
   std::vector<std::byte> bytes;
@@ -106,8 +110,7 @@ struct Coded {
 Result<Coded> encode_with(const draco::Mesh& source, const Quantisation& quantisation, int speed, Traversal traversal) {
   auto options = draco::EncoderOptions::CreateDefaultOptions();
   options.SetAttributeOptions(kPositions, exact_quantisation(quantisation));
-  if (traversal == Traversal::standard)
-    options.SetGlobalInt("edgebreaker_method", draco::MESH_EDGEBREAKER_STANDARD_ENCODING);
+  options.SetGlobalInt("edgebreaker_method", traversal);
   options.SetSpeed(speed, speed);
   draco::MeshEdgebreakerEncoder encoder;
   encoder.SetMesh(source);
@@ -129,13 +132,15 @@ Result<Coded> encode_shortest(const Submesh& submesh, int coarsening, int speed)
   const auto quantisation = quantisation_of(submesh, coarsening);
   draco::Mesh source;
   fill(source, submesh);
-  auto coded = encode_with(source, quantisation, speed, Traversal::by_speed);
+  if (speed >= kSpeedOfStandard) return encode_with(source, quantisation, speed, kStandard);
+  auto coded = encode_with(source, quantisation, speed, kValence);
   if (!coded) return coded;
   const std::size_t triangles = submesh.triangles.size();
   const bool is_refused = triangles > kMaxTrianglesPerByte * coded->bytes.size();
   if (triangles > kSmall && !is_refused) return coded;
-  auto standard = encode_with(source, quantisation, speed, Traversal::standard);
-  return is_refused || (standard && standard->bytes.size() < coded->bytes.size()) ? standard : coded;
+  auto standard = encode_with(source, quantisation, speed, kStandard);
+  if (!standard || is_refused) return standard;
+  return standard->bytes.size() < coded->bytes.size() ? standard : coded;
 }
 
 std::vector<std::byte> with_tail(Coded coded, const MeshTail& tail, const std::vector<bool>& is_border) {

@@ -139,6 +139,17 @@ TEST(MeshCodec, NeedsATenthOfTheRawBytesForANoisyDepthGrid) {
   EXPECT_LT(10 * bytes->size(), grid.raw_bytes());
 }
 
+TEST(MeshCodec, WritesSmallMeshesWithTheShorterTraversal) {
+  const auto is_valence = [](const Submesh& mesh, int speed) {
+    return encode(mesh, {speed}).value()[11] == std::byte{2};  // the traversal follows after the header
+  };
+  EXPECT_FALSE(is_valence(depth_grid(4, 4), 2));
+  EXPECT_TRUE(is_valence(depth_grid(20, 20), 2));
+  EXPECT_TRUE(is_valence(depth_grid(40, 30), 2));
+  EXPECT_FALSE(is_valence(depth_grid(20, 20), 5));
+  EXPECT_FALSE(is_valence(depth_grid(40, 30), 5));
+}
+
 TEST(MeshCodec, StaysAboveTheLeastBytesATriangleForRegularMeshes) {
   const auto flat = strip(60'000, kLatticeSpacing_m);
   const auto bytes = encode(flat);
