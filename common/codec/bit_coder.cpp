@@ -1,35 +1,39 @@
 #include "common/codec/bit_coder.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace meshloop {
 namespace {
 
 constexpr std::uint32_t kEven = 32768;
 constexpr std::uint32_t kTop = 1U << 24;
+/// How often each value counts as seen before the first bit, in fifths: 0.4 (Krichevsky and Trofimov's is 0.5).
+constexpr std::uint32_t kPrior = 2;
+constexpr std::uint32_t kParts = 5;
 
 }  // namespace
 
-// As if 0.9 bits of each value had been seen before the first one; what is long ago counts less.
-void AdaptiveBit::learn(bool bit) {
+// The estimator of Krichevsky and Trofimov, with another prior; what is long ago counts less.
+void ProbabilityModel::learn(bool bit) {
   constexpr std::uint32_t kMemory = 50;
   constexpr std::uint32_t kLeast = 128;
-  const std::uint32_t divisor = 5 * seen_ + 9;
+  const std::uint32_t divisor = kParts * (seen_ + 1) + 2 * kPrior;
   if (bit) {
-    zero_ -= 5 * zero_ / divisor;
+    zero_ -= kParts * zero_ / divisor;
   } else {
-    zero_ += 5 * (65536 - zero_) / divisor;
+    zero_ += kParts * (65536 - zero_) / divisor;
   }
   zero_ = std::clamp(zero_, kLeast, 65536 - kLeast);
   seen_ = std::min(seen_ + 1, kMemory);
 }
 
-void BitEncoder::encode(AdaptiveBit& kind, bool bit) {
-  narrow(bit, kind.zero_of_65536());
-  kind.learn(bit);
+void BitEncoder::encode(ProbabilityModel& model, bool bit) {
+  narrow(bit, model.zero_of_65536());
+  model.learn(bit);
 }
 
-void BitEncoder::encode_plain(std::uint32_t value, int bits) {
+void BitEncoder::encode_bypass(std::uint32_t value, int bits) {
   for (int i = 0; i < bits; ++i) narrow((value >> i & 1U) != 0, kEven);
 }
 
@@ -80,13 +84,13 @@ BitDecoder::BitDecoder(std::span<const std::byte> bytes) : bytes_{bytes} {
   for (int i = 0; i < 4; ++i) shift_in();
 }
 
-bool BitDecoder::decode(AdaptiveBit& kind) {
-  const bool bit = narrow(kind.zero_of_65536());
-  kind.learn(bit);
+bool BitDecoder::decode(ProbabilityModel& model) {
+  const bool bit = narrow(model.zero_of_65536());
+  model.learn(bit);
   return bit;
 }
 
-std::uint32_t BitDecoder::decode_plain(int bits) {
+std::uint32_t BitDecoder::decode_bypass(int bits) {
   std::uint32_t value = 0;
   for (int i = 0; i < bits; ++i) value |= (narrow(kEven) ? 1U : 0U) << i;
   return value;

@@ -9,8 +9,8 @@
 
 namespace meshloop {
 
-/// How likely the next bit of its kind is zero, from those before.
-class AdaptiveBit {
+/// How likely the next bit of its context is zero, from those before.
+class ProbabilityModel {
  public:
   [[nodiscard]] std::uint32_t zero_of_65536() const { return zero_; }
   void learn(bool bit);
@@ -22,9 +22,9 @@ class AdaptiveBit {
 
 class BitEncoder {
  public:
-  void encode(AdaptiveBit& kind, bool bit);
-  /// Bits that are as likely one as zero, lowest first.
-  void encode_plain(std::uint32_t value, int bits);
+  void encode(ProbabilityModel& model, bool bit);
+  /// Bits without a model, as likely one as zero, lowest first.
+  void encode_bypass(std::uint32_t value, int bits);
   /// The last byte is not zero. Nothing can be encoded afterwards.
   [[nodiscard]] std::vector<std::byte> finish();
 
@@ -44,8 +44,8 @@ class BitEncoder {
 class BitDecoder {
  public:
   explicit BitDecoder(std::span<const std::byte> bytes);
-  [[nodiscard]] bool decode(AdaptiveBit& kind);
-  [[nodiscard]] std::uint32_t decode_plain(int bits);
+  [[nodiscard]] bool decode(ProbabilityModel& model);
+  [[nodiscard]] std::uint32_t decode_bypass(int bits);
   /// No byte is left that was not looked at.
   [[nodiscard]] bool is_at_end() const { return next_ >= bytes_.size(); }
 

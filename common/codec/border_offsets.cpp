@@ -28,11 +28,11 @@ OffLattice off_lattice(const std::vector<LatticeOffset>& offsets, const std::vec
 }
 
 /// Vertices that were joined come in rows.
-struct MovedBit {
-  std::array<AdaptiveBit, 2> after;
+struct MovedContexts {
+  std::array<ProbabilityModel, 2> after;
   bool last = false;
 
-  AdaptiveBit& next() { return after[last ? 1 : 0]; }
+  ProbabilityModel& next() { return after[last ? 1 : 0]; }
 };
 
 int bits_of(int coarsening) {
@@ -92,20 +92,20 @@ std::vector<LatticeOffset> take_offsets(std::vector<Eigen::Vector3f>& positions,
 
 void encode_offsets(BitEncoder& out, std::span<const LatticeOffset> offsets, const std::vector<bool>& is_border,
                     int coarsening) {
-  MovedBit is_moved;
+  MovedContexts is_moved;
   for (std::size_t i = 0; i < offsets.size(); ++i) {
     if (!is_border[i]) continue;
     out.encode(is_moved.next(), offsets[i] != kNone);
     is_moved.last = offsets[i] != kNone;
     if (!is_moved.last) continue;
     for (const int step : offsets[i])
-      out.encode_plain(static_cast<std::uint32_t>(step + coarsening / 2), bits_of(coarsening));
+      out.encode_bypass(static_cast<std::uint32_t>(step + coarsening / 2), bits_of(coarsening));
   }
 }
 
 Status decode_offsets(BitDecoder& in, const std::vector<bool>& is_border, int coarsening,
                       std::span<Eigen::Vector3f> positions) {
-  MovedBit is_moved;
+  MovedContexts is_moved;
   bool is_any_moved = false;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     if (!is_on_lattice(positions[i], coarsening))
@@ -115,7 +115,7 @@ Status decode_offsets(BitDecoder& in, const std::vector<bool>& is_border, int co
     if (!is_moved.last) continue;
     Eigen::Vector3f steps;
     for (auto& step : steps)
-      step = static_cast<float>(static_cast<int>(in.decode_plain(bits_of(coarsening))) - coarsening / 2);
+      step = static_cast<float>(static_cast<int>(in.decode_bypass(bits_of(coarsening))) - coarsening / 2);
     if (steps.isZero(0)) return fail("a vertex of the border is said to be moved, and is not");
     positions[i] += steps * kLatticeSpacing_m;
     is_any_moved = true;

@@ -1,6 +1,6 @@
 #pragma once
-// The colours of a mesh in the order of its coded vertices: each component's difference to the vertex before, learned
-// beside the differences that are known already.
+// The colours of a mesh in the order of its coded vertices: each component's delta to the vertex before, learned
+// beside the deltas that are known already.
 #include <cstddef>
 #include <span>
 #include <vector>

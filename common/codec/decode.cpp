@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <exception>
+#include <utility>
 
 #include "common/codec/draco_header.h"
 #include "common/codec/draco_part.h"

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <random>
 #include <span>
+#include <utility>
 
 #include "common/codec/border_offsets.h"
 #include "common/codec/mesh_codec.h"

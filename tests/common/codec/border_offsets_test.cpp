@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <utility>
 
 #include "common/codec/mesh_codec.h"
 #include "meshes.h"
@@ -176,9 +177,9 @@ TEST(BorderOffsets, MoveTheVerticesThatTheyWereWrittenFor) {
 TEST(BorderOffsets, ThatMoveNothingAreRefused) {
   EXPECT_NE(refusal_of({{}, {}, {}}, Eigen::Vector3f::Zero()).find("no vertex"), std::string::npos);
   BitEncoder out;  // one is said to be moved, and is not
-  AdaptiveBit is_moved;
+  ProbabilityModel is_moved;
   out.encode(is_moved, true);
-  for (int axis = 0; axis < 3; ++axis) out.encode_plain(2, 2);
+  for (int axis = 0; axis < 3; ++axis) out.encode_bypass(2, 2);
   const auto bytes = out.finish();
   BitDecoder in{bytes};
   std::vector<Eigen::Vector3f> positions(1, Eigen::Vector3f::Zero());

@@ -113,17 +113,17 @@ TEST(BitCoder, GivesBackBitsOfEveryLikelihood) {
     const auto ones = static_cast<unsigned>(round) % 101;
     for (std::size_t i = 0; i < static_cast<std::size_t>(round) * 7; ++i) bits.push_back(random() % 100 < ones);
     BitEncoder out;
-    AdaptiveBit kind;
+    ProbabilityModel model;
     for (const bool bit : bits) {
-      out.encode(kind, bit);
-      out.encode_plain(bit ? 5 : 2, 3);
+      out.encode(model, bit);
+      out.encode_bypass(bit ? 5 : 2, 3);
     }
     const auto bytes = out.finish();
     BitDecoder in{bytes};
-    AdaptiveBit again;
+    ProbabilityModel again;
     for (const bool bit : bits) {
       ASSERT_EQ(in.decode(again), bit);
-      ASSERT_EQ(in.decode_plain(3), bit ? 5U : 2U);
+      ASSERT_EQ(in.decode_bypass(3), bit ? 5U : 2U);
     }
     EXPECT_TRUE(in.is_at_end());
   }
@@ -132,8 +132,8 @@ TEST(BitCoder, GivesBackBitsOfEveryLikelihood) {
 TEST(BitCoder, TakesLittleMoreThanTheEntropy) {
   std::mt19937 random{10};
   BitEncoder out;
-  AdaptiveBit kind;
-  for (int i = 0; i < 80'000; ++i) out.encode(kind, random() % 20 == 0);
+  ProbabilityModel model;
+  for (int i = 0; i < 80'000; ++i) out.encode(model, random() % 20 == 0);
   EXPECT_LT(static_cast<double>(out.finish().size()), 1.04 * 0.2864 * 10'000);  // H(1/20) is 0.2864 bits
 }
 
