@@ -53,7 +53,8 @@ struct ProposalSighting {
 
 struct ProposalRecord {
   ProposalId id = 0;
-  /// As last seen while it was open; what was accepted or rejected stays as it was then.
+  /// As last seen while it was open; of a rejected one as it was when it was rejected, of an accepted one as the
+  /// revision accepted it.
   ProposalContent content;
   ProposalState state = ProposalState::open;
   /// Since 1970 (UTC).

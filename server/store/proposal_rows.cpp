@@ -12,9 +12,14 @@ namespace meshloop {
 namespace {
 
 constexpr std::string_view kNextProposalId = "next_proposal_id";
+/// From kAcceptedContent on what the revision accepted, null unless the proposal is an accepted one.
 constexpr std::string_view kColumns =
-    "SELECT proposal_id, kind, nodes, box, effect, confidence, largest_change_m, transform, state, first_seen_ns, "
-    "last_seen_ns, revision, author, decided_ns, reason FROM proposal ";
+    "SELECT p.proposal_id, p.kind, p.nodes, p.box, p.effect, p.confidence, p.largest_change_m, p.transform, p.state, "
+    "p.first_seen_ns, p.last_seen_ns, p.revision, p.author, p.decided_ns, p.reason, "
+    "a.kind, a.nodes, a.box, a.effect, a.confidence, a.largest_change_m, a.transform FROM proposal p "
+    "LEFT JOIN accepted_proposal a "
+    "ON p.state = 1 AND a.revision = p.revision AND a.proposal_id = p.proposal_id ";
+constexpr int kAcceptedContent = 15;
 
 tl::unexpected<Error> damaged(const Database& database) {
   return fail(fmt::format("'{}' is damaged (a proposal is none); restore it from a copy", database.file().string()));
@@ -80,6 +85,8 @@ std::optional<ProposalContent> content_of(const Statement& row, int first) {
 std::optional<ProposalRecord> record_of(const Statement& row) {
   const auto state = row.integer(8);
   auto content = content_of(row, 1);
+  // The table keeps what the proposal is recognised by; what was accepted may have been measured from elsewhere.
+  if (content && !row.is_null(kAcceptedContent)) content = content_of(row, kAcceptedContent);
   if (!content || row.integer(0) < 1 || state < 0 || state > static_cast<std::int64_t>(ProposalState::rejected)) {
     return std::nullopt;
   }
@@ -98,7 +105,7 @@ std::optional<ProposalRecord> record_of(const Statement& row) {
 }
 
 Result<ProposalRecord> read_one(Database& database, ProposalId id) {
-  auto query = database.prepare(fmt::format("{}WHERE proposal_id = ?", kColumns));
+  auto query = database.prepare(fmt::format("{}WHERE p.proposal_id = ?", kColumns));
   if (!query) return fail(query.error());
   const auto row = query->bind(number(id)).step();
   if (!row) return fail(row.error());
@@ -202,7 +209,7 @@ Status decide_all_of(Database& database, Revision revision, ProposalState state,
 }  // namespace
 
 Result<std::vector<ProposalRecord>> read_proposals(Database& database) {
-  auto query = database.prepare(fmt::format("{}ORDER BY proposal_id", kColumns));
+  auto query = database.prepare(fmt::format("{}ORDER BY p.proposal_id", kColumns));
   if (!query) return fail(query.error());
   std::vector<ProposalRecord> records;
   for (;;) {

@@ -173,6 +173,21 @@ TEST_F(Proposals, KeepWhatWasRejectedWhereverTheyAreSeenLater) {
   EXPECT_EQ(record(1).state, ProposalState::accepted);
 }
 
+TEST_F(Proposals, ThatAreAcceptedAreShownAsTheyWereAccepted) {
+  store_->remember({seen(0)}).value();
+  ASSERT_TRUE(store_->reject({1}, "anna", "a toy"));
+  RevisionInfo info = accepting(1, 0.05);
+  info.proposals[0].content.effect = "+50 triangles; largest change 292 mm";
+  info.proposals[0].content.largest_change_m = 0.292;
+  store_->commit({add(1, 1)}, info).value();
+  reopen();
+  EXPECT_EQ(record(1).content.effect, "+50 triangles; largest change 292 mm");
+  EXPECT_EQ(record(1).content.largest_change_m, 0.292);
+  EXPECT_EQ(record(1).content.box_m.min().x(), 0.05);
+  store_->undo("anna").value();
+  EXPECT_EQ(record(1).content.box_m.min().x(), 0) << "it is recognised by what it was before";
+}
+
 TEST_F(Proposals, RefuseDecisionsThatCannotBe) {
   store_->remember({seen(0), seen(5)}).value();
   store_->commit({add(1, 1)}, accepting(1)).value();
