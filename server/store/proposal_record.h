@@ -62,7 +62,8 @@ struct ProposalRecord {
   std::int64_t last_seen_ns = 0;
   /// That accepted it; of an open one: that accepted it and was undone.
   std::optional<Revision> revision;
-  /// Who decided, when and why; empty and 0 when nobody has.
+  /// Who decided, when and why; empty and 0 when nobody has. Of an accepted one who made `revision`, and when, also
+  /// after a redo; of an undone one who undid it.
   std::string author;
   std::int64_t decided_ns = 0;
   std::string reason;

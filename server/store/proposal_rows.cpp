@@ -185,8 +185,9 @@ Status check_not_rejected(Database& database, ProposalId id) {
                   id, record->author));
 }
 
+/// What this revision accepted is in that state from now on, decided by this author at this time.
 Status decide_all_of(Database& database, Revision revision, ProposalState state, const std::string& author,
-                     std::int64_t now_ns) {
+                     std::int64_t decided_ns) {
   auto query = database.prepare("SELECT proposal_id FROM proposal WHERE revision = ? ORDER BY proposal_id");
   if (!query) return fail(query.error());
   query->bind(number(revision));
@@ -201,7 +202,7 @@ Status decide_all_of(Database& database, Revision revision, ProposalState state,
     if (state == ProposalState::accepted) {
       if (auto ok = check_not_rejected(database, id); !ok) return ok;
     }
-    if (auto ok = decide(database, id, state, revision, author, {}, now_ns); !ok) return ok;
+    if (auto ok = decide(database, id, state, revision, author, {}, decided_ns); !ok) return ok;
   }
   return {};
 }
@@ -269,8 +270,10 @@ Status reopen_proposals(Database& database, Revision revision, const std::string
   return decide_all_of(database, revision, ProposalState::open, author, now_ns);
 }
 
-Status close_proposals_again(Database& database, Revision revision, const std::string& author, std::int64_t now_ns) {
-  return decide_all_of(database, revision, ProposalState::accepted, author, now_ns);
+Status close_proposals_again(Database& database, Revision revision) {
+  const auto accepting = read_info(database, revision);
+  if (!accepting) return fail(accepting.error());
+  return decide_all_of(database, revision, ProposalState::accepted, accepting->author, accepting->accepted_ns);
 }
 
 Result<std::vector<AcceptedProposal>> read_accepted(Database& database, Revision revision) {

@@ -25,11 +25,12 @@ namespace meshloop {
 [[nodiscard]] Status accept_proposals(Database& database, Revision revision, const std::string& author,
                                       std::int64_t now_ns, const std::vector<AcceptedProposal>& accepted);
 
-/// What this revision accepted is open again, or accepted again. The latter is refused where one was rejected since.
+/// What this revision accepted is open again, as this author decided.
 [[nodiscard]] Status reopen_proposals(Database& database, Revision revision, const std::string& author,
                                       std::int64_t now_ns);
-[[nodiscard]] Status close_proposals_again(Database& database, Revision revision, const std::string& author,
-                                           std::int64_t now_ns);
+/// What this revision accepted is accepted again, as its author decided when it was made: who did the redo stands in
+/// the journal. Refused where one was rejected since.
+[[nodiscard]] Status close_proposals_again(Database& database, Revision revision);
 
 /// Of one revision, by id.
 [[nodiscard]] Result<std::vector<AcceptedProposal>> read_accepted(Database& database, Revision revision);

@@ -166,7 +166,7 @@ Result<std::shared_ptr<const Model>> SqliteSceneStore::commit_unsynced(const std
 Status SqliteSceneStore::change_proposals(const JournalEntry& entry) {
   const RevisionInfo& info = entry.info;
   return entry.undoes   ? reopen_proposals(database_, *entry.undoes, info.author, info.accepted_ns)
-         : entry.redoes ? close_proposals_again(database_, *entry.redoes, info.author, info.accepted_ns)
+         : entry.redoes ? close_proposals_again(database_, *entry.redoes)
                         : accept_proposals(database_, info.revision, info.author, info.accepted_ns, info.proposals);
 }
 

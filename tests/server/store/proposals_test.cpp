@@ -101,6 +101,7 @@ TEST_F(Proposals, AreOpenAgainAfterUndoAndAcceptedAgainAfterRedo) {
   store_->commit({add(1, 1)}, {}).value();
   store_->remember({seen(0), seen(5)}).value();
   store_->commit({add(2, 2)}, accepting(1)).value();
+  const auto accepted_ns = record(1).decided_ns;
   store_->commit({add(3, 3)}, accepting(2, 5)).value();
   store_->undo("bert").value();
   EXPECT_EQ(record(1).state, ProposalState::accepted) << "only the last change is taken back";
@@ -111,7 +112,8 @@ TEST_F(Proposals, AreOpenAgainAfterUndoAndAcceptedAgainAfterRedo) {
   store_->redo("carl").value();
   EXPECT_EQ(record(1).state, ProposalState::accepted);
   EXPECT_EQ(record(1).revision, 2u);
-  EXPECT_EQ(record(1).author, "carl");
+  EXPECT_EQ(record(1).author, "anna") << "revision 2 is hers; the journal has the redo";
+  EXPECT_EQ(record(1).decided_ns, accepted_ns);
   EXPECT_TRUE(record(2).was_undone());
   reopen();
   EXPECT_EQ(store_->commit({add(4, 4)}, accepting(2, 5)).value()->revision, 7u);
