@@ -21,4 +21,9 @@ std::optional<std::string> PoseTrust::doubt() const {
                      frames_due_ == 1 ? "" : "s");
 }
 
+std::string PoseTrust::why_nothing_is_proposed() const {
+  const auto why = doubt();
+  return "nothing is proposed now" + (why ? "; " + *why : "");
+}
+
 }  // namespace meshloop

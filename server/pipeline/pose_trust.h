@@ -14,6 +14,8 @@ class PoseTrust {
   [[nodiscard]] std::optional<std::string> regain();
   /// Why the model may not be changed now.
   [[nodiscard]] std::optional<std::string> doubt() const;
+  /// Where nothing is proposed: that, and the doubt that may be why.
+  [[nodiscard]] std::string why_nothing_is_proposed() const;
 
  private:
   int frames_due_ = 0;

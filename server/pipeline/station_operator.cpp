@@ -225,19 +225,19 @@ Result<Station::Refusal> Station::obey(OperatorCommand command) {
     case OperatorCommand::What::list:
       break;
   }
-  if (!parts_->offer) return Refusal{"nothing is proposed now"};
+  if (!parts_->offer) return Refusal{parts_->trust.why_nothing_is_proposed()};
   tell_proposals(*parts_->offer);
   return Refusal{};
 }
 
 Result<Station::Refusal> Station::accept_as_told(const OperatorCommand& command) {
-  if (!parts_->offer) return Refusal{"nothing is proposed now"};
+  if (!parts_->offer) return Refusal{parts_->trust.why_nothing_is_proposed()};
   if (const auto doubt = parts_->trust.doubt()) return Refusal{*doubt + "; accept it when they have"};
   const auto known = parts_->store->proposals();
   if (!known) return fail(known.error());
   const auto accepted = chosen(command.decisions, parts_->offer->proposals, *known);
   if (!accepted) return Refusal{accepted.error().message};
-  if (accepted->empty()) return Refusal{"nothing that is proposed is open"};
+  if (accepted->empty()) return Refusal{parts_->offer->withheld.value_or("nothing that is proposed is open")};
   if (auto why = contradiction(*parts_->store->model(), *accepted)) return why;
   if (auto done = accept(*parts_->offer, *accepted, parts_->options.operator_name); !done) return fail(done.error());
   if (auto done = offer_again(); !done) return fail(done.error());

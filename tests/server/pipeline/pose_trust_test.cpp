@@ -34,5 +34,12 @@ TEST(PoseTrust, CountsAnewAfterEachBadFrame) {
   EXPECT_FALSE(trust.regain());
 }
 
+TEST(PoseTrust, SaysWhyNothingIsProposed) {
+  PoseTrust trust;
+  EXPECT_EQ(trust.why_nothing_is_proposed(), "nothing is proposed now");
+  trust.lose();
+  EXPECT_THAT(trust.why_nothing_is_proposed(), HasSubstr(trust.doubt().value()));
+}
+
 }  // namespace
 }  // namespace meshloop
