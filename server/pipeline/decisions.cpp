@@ -35,10 +35,24 @@ Error not_there(ProposalId id, const std::vector<Offered>& offered, const std::v
   return {ErrorKind::failed, fmt::format("{}; {}", what, frame_has)};
 }
 
+/// "1, 3" as "1,3"; "1 3" stays what it is.
+std::string without_blanks_at_commas(const std::string& text) {
+  std::string result;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const auto end = std::min(text.find(',', begin), text.size());
+    const auto first = std::min(text.find_first_not_of(" \t", begin), end);
+    const auto past = text.find_last_not_of(" \t", end - (end > begin ? 1 : 0)) + 1;
+    if (first < end) result += text.substr(first, past - first);
+    if (end < text.size()) result += ',';
+    begin = end + 1;
+  }
+  return result;
+}
+
 }  // namespace
 
 Result<std::vector<ProposalId>> parse_proposal_ids(const std::string& text) {
-  const auto numbers = parse_frame_list(text);
+  const auto numbers = parse_frame_list(without_blanks_at_commas(text));
   if (!numbers) return fail(fmt::format("'{}' is no list of ids such as 1,3", text), ErrorKind::usage);
   if (numbers->front() == 0) return fail("ids of proposals begin with 1", ErrorKind::usage);
   return std::vector<ProposalId>(numbers->begin(), numbers->end());

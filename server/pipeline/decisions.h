@@ -8,7 +8,7 @@
 
 namespace meshloop {
 
-/// Ids as `1,3-5`, in growing order and each once. Refuses 0.
+/// Ids as `1,3-5` or `1, 3`, in growing order and each once. Refuses 0.
 [[nodiscard]] Result<std::vector<ProposalId>> parse_proposal_ids(const std::string& text);
 
 struct Decisions {

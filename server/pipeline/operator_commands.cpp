@@ -30,17 +30,29 @@ std::pair<std::string, std::string> split_word(const std::string& text) {
   return {text.substr(begin, end - begin), text.substr(rest, text.find_last_not_of(kBlanks) + 1 - rest)};
 }
 
+/// The list of ids at the beginning, without blanks around its commas, and what follows it.
+std::pair<std::string, std::string> split_list(const std::string& text) {
+  auto [list, rest] = split_word(text);
+  while (!rest.empty() && (list.ends_with(',') || rest.starts_with(','))) {
+    auto [word, after] = split_word(rest);
+    list += word;
+    rest = std::move(after);
+  }
+  return {std::move(list), std::move(rest)};
+}
+
 Result<OperatorCommand> parse_accept_line(const std::string& rest) {
   OperatorCommand command{OperatorCommand::What::accept, {}};
-  const auto [ids, more] = split_word(rest);
-  if (ids.empty() || !more.empty()) return fail("accept takes all, or ids such as 1,3");
+  const auto [ids, more] = split_list(rest);
+  if (ids.empty()) return fail("accept takes all, or ids such as 1,3");
+  if (!more.empty()) return fail(fmt::format("accept takes all, or ids such as 1,3, not '{}'", rest));
   if (auto ok = parse_accept(ids, "accept", command.decisions); !ok) return fail(ok.error());
   return command;
 }
 
 Result<OperatorCommand> parse_reject_line(const std::string& rest) {
   OperatorCommand command{OperatorCommand::What::reject, {}};
-  const auto [list, reason] = split_word(rest);
+  const auto [list, reason] = split_list(rest);
   if (list.empty()) return fail("reject takes ids such as 2,4, and a reason if you like");
   auto ids = parse_proposal_ids(list);
   if (!ids) return fail(ids.error());

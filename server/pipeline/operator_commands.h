@@ -19,7 +19,7 @@ struct OperatorCommand {
 /// A line's most bytes.
 inline constexpr std::size_t kLongestCommand = 2000;
 
-/// "accept all", "accept 1,3", "reject 2 too noisy", "undo", "redo", "list". Refuses a line of more than
+/// "accept all", "accept 1,3" or "1, 3", "reject 2 too noisy", "undo", "redo", "list". Refuses a line of more than
 /// kLongestCommand bytes, whatever it says.
 [[nodiscard]] Result<OperatorCommand> parse_command(const std::string& line);
 

@@ -15,11 +15,15 @@ TEST(OperatorCommands, AreWordsAndIds) {
   EXPECT_EQ(all.what, What::accept);
   EXPECT_TRUE(all.decisions.accept_all);
   EXPECT_THAT(parse_command("  accept\t1,3 ").value().decisions.accept, ElementsAre(1, 3));
+  EXPECT_THAT(parse_command("accept 1, 3 ,5 , 7").value().decisions.accept, ElementsAre(1, 3, 5, 7));
   EXPECT_THAT(parse_command("accept 2-4").value().decisions.accept, ElementsAre(2, 3, 4));
   const auto reject = parse_command("reject 2,5 too  noisy \xc3\xb6 ").value();
   EXPECT_EQ(reject.what, What::reject);
   EXPECT_THAT(reject.decisions.reject, ElementsAre(2, 5));
   EXPECT_EQ(reject.decisions.reason, "too  noisy \xc3\xb6");
+  const auto spaced = parse_command("reject 2, 5 noise, and more").value();
+  EXPECT_THAT(spaced.decisions.reject, ElementsAre(2, 5));
+  EXPECT_EQ(spaced.decisions.reason, "noise, and more");
   EXPECT_EQ(parse_command("reject 2").value().decisions.reason, "");
   EXPECT_EQ(parse_command("undo").value().what, What::undo);
   EXPECT_EQ(parse_command("redo ").value().what, What::redo);
@@ -27,11 +31,13 @@ TEST(OperatorCommands, AreWordsAndIds) {
 }
 
 TEST(OperatorCommands, ThatAreNoneAreRefused) {
-  for (const char* line : {"accept", "accept 0", "accept -1", "accept 1,", "accept 1 3", "accept all 3", "reject",
-                           "reject all", "reject x", "reject 2 a\x1b[2Jb", "undo 3", "list all", "Accept 1", "accept1",
-                           "", "quit", "accept 99999999999999999999"}) {
+  for (const char* line : {"accept", "accept 0", "accept -1", "accept 1,", "accept 1 3", "accept 1, x", "accept 1, 3 5",
+                           "accept all 3", "reject", "reject all", "reject x", "reject 2 a\x1b[2Jb", "undo 3",
+                           "list all", "Accept 1", "accept1", "", "quit", "accept 99999999999999999999"}) {
     EXPECT_FALSE(parse_command(line)) << line;
   }
+  EXPECT_THAT(parse_command("accept 1, 3 5").error().message, HasSubstr("'1, 3 5'"));
+  EXPECT_THAT(parse_command("accept 1, x").error().message, HasSubstr("'1,x'"));
   EXPECT_THAT(parse_command("help").error().message, HasSubstr("accept, reject, undo, redo and list"));
   EXPECT_FALSE(parse_command("reject 2 " + std::string(501, 'x')));
 }

@@ -116,7 +116,8 @@ TEST_F(ProposalBook, TheJournalHasWhatWasAccepted) {
 
 TEST(Decisions, AreReadFromLists) {
   EXPECT_THAT(parse_proposal_ids("3,1").value(), testing::ElementsAre(1, 3));
-  for (const char* wrong : {"", "0", "0,1", "a", "1,", "-1", "1.5"}) {
+  EXPECT_THAT(parse_proposal_ids(" 1 ,\t3-4 , 7").value(), testing::ElementsAre(1, 3, 4, 7));
+  for (const char* wrong : {"", " ", "0", "0,1", "a", "1,", "1, ", ", 1", "1,,2", "1 3", "-1", "1.5"}) {
     const auto ids = parse_proposal_ids(wrong);
     ASSERT_FALSE(ids) << wrong;
     EXPECT_EQ(ids.error().kind, ErrorKind::usage) << wrong;
