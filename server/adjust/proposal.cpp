@@ -20,13 +20,17 @@
 namespace meshloop {
 namespace {
 
+std::string triangles_text(char sign, std::size_t count) {
+  return fmt::format("{}{} triangle{}", sign, count, count == 1 ? "" : "s");
+}
+
 std::string effect_of(const Proposal& proposal) {
   std::string triangles;
-  if (proposal.triangles_removed > 0) triangles = fmt::format("-{} triangles", proposal.triangles_removed);
+  if (proposal.triangles_removed > 0) triangles = triangles_text('-', proposal.triangles_removed);
   if (proposal.triangles_removed > 0 && proposal.triangles_added > 0) {
     triangles += fmt::format(", +{}", proposal.triangles_added);
   } else if (proposal.triangles_added > 0) {
-    triangles = fmt::format("+{} triangles", proposal.triangles_added);
+    triangles = triangles_text('+', proposal.triangles_added);
   }
   const auto change = proposal.largest_change_m == 0
                           ? std::string{", where the model had none"}

@@ -28,7 +28,8 @@ nlohmann::json frame_json(const AdjustedFrame& frame) {
 std::string frame_text(const AdjustedFrame& frame) {
   if (!frame.reason.empty()) return fmt::format("frame {}: {}\n", frame.index, frame.reason);
   const auto what = frame.revision ? fmt::format("revision {}", frame.revision->revision) : "nothing accepted";
-  auto text = fmt::format("frame {}: {}, {} proposals\n", frame.index, what, frame.offered.size());
+  const auto count = frame.offered.size();
+  auto text = fmt::format("frame {}: {}, {} proposal{}\n", frame.index, what, count, count == 1 ? "" : "s");
   for (const auto& offered : frame.offered) {
     text += proposal_line(as_measured(offered)) + '\n';
     if (offered.record.state == ProposalState::rejected)

@@ -46,8 +46,8 @@ void print_model(const SceneArguments& arguments, const Model& model) {
     print_json(model_json(model));
     return;
   }
-  std::cout << fmt::format("revision {}, {} nodes, {} triangles\n", model.revision, model.nodes.size(),
-                           model.triangle_count());
+  std::cout << fmt::format("revision {}, {} node{}, {} triangles\n", model.revision, model.nodes.size(),
+                           model.nodes.size() == 1 ? "" : "s", model.triangle_count());
   for (const auto& node : model.nodes) {
     std::cout << fmt::format("  {:>4}  {:<24} {:>8} triangles\n", node.id, node.name, node.submesh->triangles.size());
   }
