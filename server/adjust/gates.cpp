@@ -40,12 +40,8 @@ double surface_speed(const Twist& per_s, double z_m) {
   return (per_s.head<3>() + per_s.tail<3>().cross(Eigen::Vector3d{0, 0, z_m})).norm();
 }
 
-std::string correction_text(const Twist& correction) {
-  return fmt::format("{:.1f} mm and {:.2f} degrees", 1000 * correction.head<3>().norm(),
-                     degrees(correction.tail<3>().norm()));
-}
-
-constexpr const char* kWhatToDo = "check the markers' file or the trajectory, and the calibration";
+constexpr const char* kWhatToDo =
+    "check what may be the cause, the pose that was given, the places of the markers or the calibration of the rig";
 
 }  // namespace
 
@@ -78,8 +74,10 @@ std::optional<std::string> reason_against_registration(const Registration& regis
   if (registration.share_agreeing < kLeastAgreeing || registration.share_nearer < kLeastShareNearer) {
     return std::nullopt;
   }
-  return fmt::format("the pose lies {} beside what of the model has not changed, {:.0f} sigma: {}",
-                     correction_text(registration.found), registration.disagreement_sigmas, kWhatToDo);
+  const Twist& found = registration.found;
+  return fmt::format(
+      "the pose lies {:.1f} mm and {:.2f} degrees beside what of the model has not changed, {:.0f} sigma: {}",
+      1000 * found.head<3>().norm(), degrees(found.tail<3>().norm()), registration.disagreement_sigmas, kWhatToDo);
 }
 
 std::optional<std::string> reason_against_unconfirmed(const Registration& registration, const Model& model) {
@@ -94,9 +92,9 @@ std::optional<std::string> reason_against_unconfirmed(const Registration& regist
 
 std::optional<std::string> reason_against_rings(const EdgeRings& rings) {
   if (!rings.is_misregistered()) return std::nullopt;
-  return fmt::format(
-      "outlines all over the picture are ringed with closer and farther pixels, as by a pose that is {} off: {}",
-      correction_text(rings.motion), kWhatToDo);
+  // Without figures: the motion that explains most shifts need not be how far the pose is off.
+  return fmt::format("outlines all over the picture are ringed with closer and farther pixels, as by a wrong pose: {}",
+                     kWhatToDo);
 }
 
 }  // namespace meshloop

@@ -198,6 +198,15 @@ TEST(Gates, AskTheModelToConfirmAPoseThatWasGiven) {
   EXPECT_FALSE(reason_against_unconfirmed({}, Model{})) << "the first surface of a scene has nothing to fit";
 }
 
+TEST(Gates, GiveNoFiguresThatMislead) {
+  EdgeRings rings{.outlines = 2000, .shifted = 1, .explained = 1, .contradicted = 0, .things = 5, .largest_thing = 0.3};
+  rings.motion[0] = 0.0269;
+  const auto reason = reason_against_rings(rings);
+  ASSERT_TRUE(reason);
+  EXPECT_EQ(reason->find_first_of("0123456789"), std::string::npos) << *reason;
+  for (const char* cause : {"pose", "markers", "calibration"}) EXPECT_NE(reason->find(cause), std::string::npos);
+}
+
 TEST(Gates, TellAMovingCamera) {
   Rig rig;
   rig.depth = {640, 480, 585, 585, 319.5, 239.5, {}};
