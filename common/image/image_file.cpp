@@ -65,6 +65,11 @@ Result<Image<float>> read_tiff(const std::filesystem::path& file) {
   return read_image(file, decode_tiff);
 }
 
+Result<ColorImage> decode_png(std::span<const std::byte> bytes) {
+  if (!is_png(bytes)) return fail("not a PNG");
+  return decode_png_color(bytes);
+}
+
 Status write_png(const std::filesystem::path& file, const ColorImage& image) {
   return write_image(file, encode_png(image));
 }

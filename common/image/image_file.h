@@ -28,5 +28,7 @@ namespace meshloop {
 
 /// A PNG file's bytes, for pictures that are kept in a database or a report.
 [[nodiscard]] Result<std::vector<std::byte>> encode_png(const ColorImage& image);
+/// The picture of such bytes; refuses damaged ones.
+[[nodiscard]] Result<ColorImage> decode_png(std::span<const std::byte> bytes);
 
 }  // namespace meshloop

@@ -7,6 +7,8 @@
 #include <iostream>
 #include <system_error>
 
+#include "common/base/log.h"
+#include "common/image/image_file.h"
 #include "server/pipeline/proposal_json.h"
 #include "server/pipeline/result_json.h"
 
@@ -30,12 +32,19 @@ Status write_bytes(const fs::path& file, const std::vector<std::byte>& bytes) {
   return fail(fmt::format("cannot write '{}'; is the disk full, or the folder not yours?", file.string()));
 }
 
-/// The names of the files.
-Result<std::vector<std::string>> write_pictures(const RevisionInfo& info, const fs::path& folder) {
+/// The names of the files; damaged pictures are left out, and counted.
+Result<std::vector<std::string>> write_pictures(const RevisionInfo& info, const fs::path& folder, int& damaged) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < info.pictures.size(); ++i) {
-    names.push_back(fmt::format("revision_{:04}_{}.png", info.revision, i + 1));
-    if (auto done = write_bytes(folder / names.back(), info.pictures[i]); !done) return fail(done.error());
+    auto name = fmt::format("revision_{:04}_{}.png", info.revision, i + 1);
+    if (const auto whole = decode_png(info.pictures[i]); !whole) {
+      log_warning("picture {} of revision {} is damaged and not written: {}", i + 1, info.revision,
+                  whole.error().message);
+      ++damaged;
+      continue;
+    }
+    if (auto done = write_bytes(folder / name, info.pictures[i]); !done) return fail(done.error());
+    names.push_back(std::move(name));
   }
   return names;
 }
@@ -63,10 +72,11 @@ Status print_log(const SceneStore& store, bool json, const std::string& pictures
   }
   nlohmann::json revisions = nlohmann::json::array();
   nlohmann::json calibrations = nlohmann::json::object();
+  int damaged = 0;
   for (const auto& info : *log) {
     std::vector<std::string> files;
     if (!pictures_folder.empty()) {
-      auto written = write_pictures(info, pictures_folder);
+      auto written = write_pictures(info, pictures_folder, damaged);
       if (!written) return fail(written.error());
       files = std::move(*written);
     }
@@ -80,7 +90,8 @@ Status print_log(const SceneStore& store, bool json, const std::string& pictures
     if (info.snapshot) calibrations[calibration_name(info.snapshot->calibration)] = info.snapshot->calibration;
   }
   if (json) print_json({{"revisions", revisions}, {"calibrations", calibrations}});
-  return {};
+  if (damaged == 0) return {};
+  return fail(fmt::format("{} damaged picture{} not written", damaged, damaged == 1 ? " was" : "s were"));
 }
 
 Status print_proposals(const SceneStore& store, bool json, std::optional<ProposalState> state) {

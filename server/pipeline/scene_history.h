@@ -8,7 +8,8 @@
 namespace meshloop {
 
 /// The journal on stdout; with a folder the snapshots' pictures are written there, as they are stored:
-/// "revision_0002_1.png". Nothing else in the folder is touched.
+/// "revision_0002_1.png". Nothing else in the folder is touched. A picture that cannot be read as a PNG is named in a
+/// warning and not written; the rest is, and the journal told, before that is an error.
 [[nodiscard]] Status print_log(const SceneStore& store, bool json, const std::string& pictures_folder);
 
 /// All proposals, or those of one state, on stdout.
