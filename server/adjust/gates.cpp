@@ -40,8 +40,7 @@ double surface_speed(const Twist& per_s, double z_m) {
   return (per_s.head<3>() + per_s.tail<3>().cross(Eigen::Vector3d{0, 0, z_m})).norm();
 }
 
-constexpr const char* kWhatToDo =
-    "check what may be the cause, the pose that was given, the places of the markers or the calibration of the rig";
+constexpr const char* kWhatToDo = "check the given pose or trajectory, the markers' file, and the calibration";
 
 }  // namespace
 

@@ -195,7 +195,7 @@ shifted = write("shifted.txt", "".join(" ".join([time, str(float(x) + 0.02), *mo
 programs.run(STATION, "scene", "import", "--scene", path / "shifted.db", model, timeout=200)
 adjust = (STATION, "adjust", "--scene", path / "shifted.db", "--recording", station, "--frames", "0")
 for what, accept in (("all", ("--accept", "all")), ("an id", ("--accept", "1")), ("nothing", ())):
-    refused(f"adjust with {what} accepted", 1, *adjust, "--poses", shifted, *accept, says="check the markers' file or the trajectory")
+    refused(f"adjust with {what} accepted", 1, *adjust, "--poses", shifted, *accept, says="check the given pose or trajectory")
 log = programs.run(STATION, "scene", "log", "--scene", path / "shifted.db", "--json")
 programs.check(len(json.loads(log.stdout)["revisions"]) == 1, "nothing was committed: " + log.stdout[:200])
 right = programs.run(*adjust, "--accept", "all", timeout=200)
