@@ -104,6 +104,8 @@ Proposal propose_move(const Snapshot& snapshot, const Part& part, const NewPlace
     const Node& other = snapshot.model->nodes[n];
     move.along.push_back({other.id, other.hash, other.T_world_node});
   }
+  move.box_old_m = place_of(*snapshot.model, move, Pose::Identity());
+  move.box_new_m = place_of(*snapshot.model, move, move.T_world_new_old);
   Proposal proposal;
   proposal.id = move.closes.front();
   proposal.largest_change_m = largest_way_m(part, node.T_world_node, move.T_world_new_old);

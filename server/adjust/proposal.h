@@ -78,6 +78,9 @@ struct Move {
   std::vector<RegionId> closes;
   /// Other whole nodes that move the same way: patches of the same thing.
   std::vector<MovedAlong> along;
+  /// Around all that moves, where it was and where it is, in the world.
+  Eigen::AlignedBox3d box_old_m;
+  Eigen::AlignedBox3d box_new_m;
 };
 
 /// What speaks for a removal: pixels in which the depth camera was expected to see what goes.

@@ -22,28 +22,21 @@ void extend_by_removed(Eigen::AlignedBox3d& box, const Submesh& submesh, const R
   }
 }
 
-void extend_by_move(Eigen::AlignedBox3d& box, const Model& model, const Move& move) {
-  const Submesh& submesh = *model.find(move.node)->submesh;
-  for (std::size_t t = 0; t < move.triangles.size(); ++t) {
-    if (!move.triangles[t]) continue;
-    extend(box, submesh, submesh.triangles[t], move.T_world_node);
-    extend(box, submesh, submesh.triangles[t], move.T_world_new_old * move.T_world_node);
-  }
-  for (const auto& other : move.along) {
-    const Submesh& along = *model.find(other.node)->submesh;
-    extend(box, along, other.T_world_node);
-    extend(box, along, move.T_world_new_old * other.T_world_node);
-  }
-}
-
 }  // namespace
 
-Eigen::AlignedBox3d place_of(const Model& model, const Proposal& proposal) {
+Eigen::AlignedBox3d place_of(const Model& model, const Move& move, const Pose& T_world_old) {
   Eigen::AlignedBox3d box;
-  if (proposal.move) {
-    extend_by_move(box, model, *proposal.move);
-    return box;
+  const Submesh& submesh = *model.find(move.node)->submesh;
+  for (std::size_t t = 0; t < move.triangles.size(); ++t) {
+    if (move.triangles[t]) extend(box, submesh, submesh.triangles[t], T_world_old * move.T_world_node);
   }
+  for (const auto& other : move.along) extend(box, *model.find(other.node)->submesh, T_world_old * other.T_world_node);
+  return box;
+}
+
+Eigen::AlignedBox3d place_of(const Model& model, const Proposal& proposal) {
+  if (proposal.move) return proposal.move->box_old_m.merged(proposal.move->box_new_m);
+  Eigen::AlignedBox3d box;
   for (const auto& removal : proposal.removed) extend_by_removed(box, *model.find(removal.node)->submesh, removal);
   if (!proposal.removed.empty()) return box;
   for (const auto& edit : proposal.edits) {

@@ -7,4 +7,7 @@ namespace meshloop::adjust {
 /// made of the model, and change something.
 [[nodiscard]] Eigen::AlignedBox3d place_of(const Model& model, const Proposal& proposal);
 
+/// Around all that moves, with the nodes along, after it was carried by T_world_old. The move must be of the model.
+[[nodiscard]] Eigen::AlignedBox3d place_of(const Model& model, const Move& move, const Pose& T_world_old);
+
 }  // namespace meshloop::adjust

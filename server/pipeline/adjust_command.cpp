@@ -145,7 +145,8 @@ Status accept(AdjustRun& run, AdjustedFrame& result, const TrackedFrame& tracked
   const auto accepted = chosen(run.decisions, result.offered, *known);
   if (!accepted) return fail(accepted.error());
   if (accepted->empty()) return {};
-  auto picture = tools.views->on_color(tracked, examination, fmt::format("frame {}", tracked.frame.index));
+  const auto framing = framing_of(examination.regions, result.offered);
+  auto picture = tools.views->on_color(tracked, examination, fmt::format("frame {}", tracked.frame.index), &framing);
   if (!picture) return fail(picture.error());
   const Evidence evidence{run.author, snapshot_info(tracked, registration, run.calibration), std::move(*picture)};
   const auto acceptance = accept_changes(store, *accepted, evidence);

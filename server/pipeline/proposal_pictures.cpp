@@ -33,7 +33,49 @@ std::string title_of(const Offered& offered, const std::string& when) {
   return fmt::format("proposal {}{}: {}{}", offered.record.id, when, kind, effect.substr(0, end));
 }
 
+std::string name_of(const Offered& offered) {
+  return fmt::format("proposal {}", offered.record.id);
+}
+
+void add_places(const Offered& offered, Framing& framing) {
+  framing.places.push_back({offered.proposal.move->box_old_m, name_of(offered) + ": from"});
+  framing.places.push_back({offered.proposal.move->box_new_m, name_of(offered) + ": to"});
+}
+
+Framing framing_of(const RegionMap& regions, const Offered& offered) {
+  Framing framing{marked(regions, offered.proposal), {}, {}};
+  Region& whole = framing.regions.regions.front();
+  framing.region_texts[whole.id] = name_of(offered);
+  if (!offered.proposal.move) return framing;
+  whole.confirmed = false;  // its pixels show a part of what moved
+  add_places(offered, framing);
+  return framing;
+}
+
 }  // namespace
+
+Framing framing_of(const RegionMap& regions, const std::vector<Offered>& offered) {
+  Framing framing{regions, {}, {}};
+  for (const auto& one : offered) {
+    if (!one.proposal.move) continue;
+    add_places(one, framing);
+    for (auto& region : framing.regions.regions) {
+      const auto& closed = one.proposal.closes;
+      if (std::find(closed.begin(), closed.end(), region.id) != closed.end()) region.confirmed = false;
+    }
+  }
+  for (const auto& one : offered) {
+    if (one.proposal.move || one.record.id == 0) continue;
+    const auto ids = regions_of(regions, one.proposal);
+    for (auto& region : framing.regions.regions) {
+      if (std::find(ids.begin(), ids.end(), region.id) == ids.end()) continue;
+      region.confirmed = true;  // a move that closes it leaves some of it
+      auto& text = framing.region_texts[region.id];
+      text += (text.empty() ? "" : ", ") + name_of(one);
+    }
+  }
+  return framing;
+}
 
 RegionMap marked(const RegionMap& regions, const Proposal& proposal) {
   const auto ids = regions_of(regions, proposal);
@@ -61,8 +103,8 @@ Result<ProposalPictures> ProposalPictures::create(const std::filesystem::path& f
 
 Result<std::string> ProposalPictures::write(const TrackedFrame& tracked, const Examination& examination,
                                             const Offered& offered, Views& views) const {
-  const auto regions = marked(examination.regions, offered.proposal);
-  const auto picture = views.on_color(tracked, examination, title_of(offered, ""), &regions);
+  const auto framing = framing_of(examination.regions, offered);
+  const auto picture = views.on_color(tracked, examination, title_of(offered, ""), &framing);
   if (!picture) return fail(picture.error());
   auto name = fmt::format("proposal_{:04}.png", offered.record.id);
   if (auto done = write_png(folder_ / name, *picture); !done) return fail(done.error());
@@ -72,9 +114,9 @@ Result<std::string> ProposalPictures::write(const TrackedFrame& tracked, const E
 Result<std::string> ProposalPictures::write_after(const TrackedFrame& tracked, const Examination& before,
                                                   const Examination& after, const Offered& offered, Revision revision,
                                                   Views& views) const {
-  const auto regions = marked(before.regions, offered.proposal);
+  const auto framing = framing_of(before.regions, offered);
   const auto title = title_of(offered, fmt::format(", after revision {}", revision));
-  const auto picture = views.on_color(tracked, after, title, &regions);
+  const auto picture = views.on_color(tracked, after, title, &framing);
   if (!picture) return fail(picture.error());
   auto name = fmt::format("proposal_{:04}_after.png", offered.record.id);
   if (auto done = write_png(folder_ / name, *picture); !done) return fail(done.error());

@@ -29,6 +29,10 @@ class ProposalPictures {
   std::filesystem::path folder_;
 };
 
+/// A frame's regions under the ids of the proposals that close them, for the journal's picture. A move is framed twice,
+/// where it was and where it is, in place of its regions.
+[[nodiscard]] Framing framing_of(const RegionMap& regions, const std::vector<Offered>& offered);
+
 /// The pixels of what a proposal closes as one region that has its id. A proposal for the rest of a region, which no
 /// region of the examination is, has the pixels of its kind whose regions reach into its box.
 [[nodiscard]] RegionMap marked(const RegionMap& regions, const Proposal& proposal);

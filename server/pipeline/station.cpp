@@ -12,6 +12,7 @@
 #include "common/base/log.h"
 #include "common/image/image_file.h"
 #include "common/program/stop_signal.h"
+#include "server/pipeline/proposal_pictures.h"
 #include "server/pipeline/result_json.h"
 #include "server/pipeline/station_parts.h"
 
@@ -90,8 +91,9 @@ void Station::publish_or_retry(std::int64_t accepted_ns) {
   parts_->unpublished_ns = done ? std::nullopt : std::optional{accepted_ns};
 }
 
-ColorImage Station::draw_color(const TrackedFrame& tracked, const Examination& examination, const std::string& title) {
-  auto picture = parts_->views.on_color(tracked, examination, title);
+ColorImage Station::draw_color(const TrackedFrame& tracked, const Examination& examination, const std::string& title,
+                               const Framing* framing) {
+  auto picture = parts_->views.on_color(tracked, examination, title, framing);
   if (picture) return std::move(*picture);
   log_warning("{}; going on without the picture", picture.error().message);
   return {};
@@ -108,7 +110,8 @@ void Station::write_pictures(const char* when, Revision revision, const TrackedF
     const auto file = parts_->options.out / fmt::format("revision_{:04}_{}{}.png", revision, when, kind);
     if (auto done = write_png(file, picture); !done) log_warning("{}; going on without it", done.error().message);
   };
-  if (parts_->views.wants_color()) write("", color != nullptr ? *color : draw_color(tracked, examination, title));
+  if (parts_->views.wants_color())
+    write("", color != nullptr ? *color : draw_color(tracked, examination, title, nullptr));
   if (parts_->views.wants_depth()) write("_depth", parts_->views.on_depth(tracked, examination, title));
 }
 
@@ -136,7 +139,8 @@ Result<Station::Change> Station::change(const Offer& offer, const std::vector<Of
   change.offer = &offer;
   const auto title = fmt::format("frame {}, before revision {}, {}", tracked.frame.index,
                                  parts_->store->model()->revision + 1, smallest_change_text(examination));
-  change.picture = draw_color(tracked, examination, title);
+  const auto framing = framing_of(examination.regions, offer.proposals);
+  change.picture = draw_color(tracked, examination, title, &framing);
   const Evidence evidence{author, snapshot_info(tracked, offer.registration, parts_->options.calibration),
                           change.picture};
   auto acceptance = accept_changes(*parts_->store, accepted, evidence);

@@ -116,7 +116,7 @@ class Station {
   [[nodiscard]] nlohmann::json confirmed_json(const TrackedFrame& tracked, const Examination& examination);
   /// Over colour; empty, with a warning, when it cannot be drawn: a picture stops nothing.
   [[nodiscard]] ColorImage draw_color(const TrackedFrame& tracked, const Examination& examination,
-                                      const std::string& title);
+                                      const std::string& title, const Framing* framing);
   void write_pictures(const char* when, Revision revision, const TrackedFrame& tracked, const Examination& examination,
                       const ColorImage* color);
   [[nodiscard]] Status serve();

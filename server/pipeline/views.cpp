@@ -5,6 +5,22 @@
 #include "common/program/arguments.h"
 
 namespace meshloop {
+namespace {
+
+/// Around the corners of a box, in pixels; empty when one lies behind the camera.
+Eigen::AlignedBox2i seen_box(const Eigen::AlignedBox3d& box_m, const Pose& T_camera_world, const Camera& camera) {
+  constexpr double kNearest_m = 0.05;
+  constexpr double kFarthest_px = 1e6;
+  Eigen::AlignedBox2d seen;
+  for (int i = 0; i < 8; ++i) {
+    const Eigen::Vector3d p = T_camera_world * box_m.corner(static_cast<Eigen::AlignedBox3d::CornerType>(i));
+    if (!(p.z() > kNearest_m)) return {};
+    seen.extend(camera.project(p).cwiseMax(-kFarthest_px).cwiseMin(kFarthest_px));
+  }
+  return {seen.min().array().floor().matrix().cast<int>(), seen.max().array().ceil().matrix().cast<int>()};
+}
+
+}  // namespace
 
 void ViewArguments::add_colors_to(CLI::App& command) {
   command
@@ -64,9 +80,17 @@ OverlayOptions Views::options_of(const Examination& examination, const std::stri
 }
 
 Result<ColorImage> Views::on_color(const TrackedFrame& tracked, const Examination& examination,
-                                   const std::string& title, const RegionMap* regions) {
+                                   const std::string& title, const Framing* framing) {
+  auto options = options_of(examination, title);
+  if (framing != nullptr) {
+    options.region_texts = framing->region_texts;
+    for (const auto& place : framing->places) {
+      const auto box = seen_box(place.box_m, tracked.color_pose.T_camera_world, rig_.color);
+      if (!box.isEmpty()) options.frames.push_back({box, place.text});
+    }
+  }
   return color_.draw(examination.comparison, tracked.frame.depth, tracked.frame.color, rig_at(tracked),
-                     regions != nullptr ? regions : &examination.regions, options_of(examination, title));
+                     framing != nullptr ? &framing->regions : &examination.regions, options);
 }
 
 ColorImage Views::on_depth(const TrackedFrame& tracked, const Examination& examination,

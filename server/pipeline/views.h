@@ -1,6 +1,8 @@
 #pragma once
 // The views of a comparison as the subcommands draw them: options of the command line, and the drawing.
 #include <CLI/CLI.hpp>
+#include <Eigen/Geometry>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,19 @@ struct ViewArguments {
   [[nodiscard]] OverlayOptions options(const std::string& title) const;
 };
 
+/// What is framed in place of an examination's regions.
+struct Framing {
+  RegionMap regions;
+  /// Beside their frames, in place of their numbers.
+  std::map<RegionId, std::string> region_texts;
+  /// Framed as the colour camera sees them, whether anything differs there or not; in the world.
+  struct Place {
+    Eigen::AlignedBox3d box_m;
+    std::string text;
+  };
+  std::vector<Place> places;
+};
+
 /// Draws the views of one examined frame. One thread, that of the context.
 class Views {
  public:
@@ -31,9 +46,9 @@ class Views {
   /// Which views are written.
   [[nodiscard]] bool wants_color() const { return arguments_.views == "color" || arguments_.views == "both"; }
   [[nodiscard]] bool wants_depth() const { return arguments_.views == "depth" || arguments_.views == "both"; }
-  /// `regions`: to be framed in place of the examination's.
+  /// `framing`: in place of the examination's regions.
   [[nodiscard]] Result<ColorImage> on_color(const TrackedFrame& tracked, const Examination& examination,
-                                            const std::string& title, const RegionMap* regions = nullptr);
+                                            const std::string& title, const Framing* framing = nullptr);
   [[nodiscard]] ColorImage on_depth(const TrackedFrame& tracked, const Examination& examination,
                                     const std::string& title) const;
 

@@ -71,7 +71,8 @@ ColorImage depth_as_grey(const DepthImage& measured) {
 
 // `region_at(x, y)` is the region that a pixel of the picture shows, or 0.
 template <class RegionAt>
-std::vector<show::Mark> marks_of(const RegionMap& regions, int width, int height, RegionAt region_at) {
+std::vector<OverlayFrame> marks_of(const RegionMap& regions, const std::map<RegionId, std::string>& texts, int width,
+                                   int height, RegionAt region_at) {
   std::unordered_map<RegionId, Eigen::AlignedBox2i> boxes;
   RegionId last = 0;
   Eigen::AlignedBox2i* box = nullptr;
@@ -83,11 +84,14 @@ std::vector<show::Mark> marks_of(const RegionMap& regions, int width, int height
       box->extend(Eigen::Vector2i{x, y});
     }
   }
-  std::vector<show::Mark> marks;
+  std::vector<OverlayFrame> marks;
   for (const auto& region : regions.regions) {
     const auto seen = boxes.find(region.id);
     if (!region.confirmed || seen == boxes.end()) continue;
-    marks.push_back({seen->second, fmt::format("{}: {:.0f} cm2", region.id, region.area_m2 * 1e4)});
+    const auto text = texts.find(region.id);
+    marks.push_back({seen->second, text != texts.end()
+                                       ? text->second
+                                       : fmt::format("region {}: {:.0f} cm2", region.id, region.area_m2 * 1e4)});
   }
   return marks;
 }
@@ -105,9 +109,10 @@ ColorImage overlay_on_depth(const Comparison& comparison, const DepthImage& meas
     shown[static_cast<std::size_t>(label)] = true;
     picture.data()[i] = paint.cover(picture.data()[i], label, comparison.difference_m.data()[i]);
   }
-  std::vector<show::Mark> marks;
+  std::vector<OverlayFrame> marks;
   if (regions != nullptr && same_size(regions->ids, measured)) {
-    marks = marks_of(*regions, measured.width(), measured.height(), [&](int x, int y) { return regions->ids(x, y); });
+    marks = marks_of(*regions, options.region_texts, measured.width(), measured.height(),
+                     [&](int x, int y) { return regions->ids(x, y); });
   }
   return show::finish(picture, marks, shown, options);
 }
@@ -151,12 +156,17 @@ Result<ColorImage> ColorOverlay::draw(const Comparison& comparison, const DepthI
     shown[static_cast<std::size_t>(label)] = true;
     picture.data()[i] = paint.cover(picture.data()[i], label, comparison.difference_m.data()[from - 1]);
   }
-  std::vector<show::Mark> marks;
+  std::vector<OverlayFrame> marks;
   if (regions != nullptr && same_size(regions->ids, measured)) {
-    marks = marks_of(*regions, color.width(), color.height(), [&](int x, int y) -> RegionId {
+    marks = marks_of(*regions, options.region_texts, color.width(), color.height(), [&](int x, int y) -> RegionId {
       const std::uint32_t from = (*source)(x, y);
       return from == 0 ? 0 : regions->ids.data()[from - 1];
     });
+  }
+  const Eigen::AlignedBox2i inside{Eigen::Vector2i{0, 0}, Eigen::Vector2i{color.width() - 1, color.height() - 1}};
+  for (const auto& frame : options.frames) {
+    const auto box = frame.box.intersection(inside);
+    if (!box.isEmpty()) marks.push_back({box, frame.text});
   }
   return show::finish(picture, marks, shown, options);
 }

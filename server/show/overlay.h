@@ -1,7 +1,10 @@
 #pragma once
 // Pictures of a comparison: over the depth image, and over the colour image turned to grey; with legend and colour bar.
+#include <Eigen/Geometry>
+#include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/base/result.h"
 #include "common/change/comparison.h"
@@ -13,6 +16,12 @@
 namespace meshloop {
 
 enum class Palette { paper, color_blind_safe };
+
+/// A frame with a line of text, in the pixels of the picture before it is enlarged.
+struct OverlayFrame {
+  Eigen::AlignedBox2i box;
+  std::string text;
+};
 
 struct OverlayOptions {
   Palette palette = Palette::paper;
@@ -27,6 +36,11 @@ struct OverlayOptions {
   bool legend = true;
   /// A line of text above the legend, for example "frame 12, 3 sigma".
   std::string title;
+  /// What stands at a region's frame in place of "region 3: 214 cm2".
+  std::map<RegionId, std::string> region_texts;
+  /// Frames beside those of regions; of a view over colour in the colour image's pixels, and what lies outside is not
+  /// drawn.
+  std::vector<OverlayFrame> frames;
 };
 
 /// Over the measured depth, drawn as grey. Confirmed regions are framed and numbered when `regions` is not null. Images

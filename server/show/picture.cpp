@@ -38,7 +38,7 @@ cv::Rect place_text(const cv::Rect& box, cv::Size size, cv::Size picture, const 
   return places[2] & inside;
 }
 
-void draw_marks(cv::Mat image, const std::vector<Mark>& marks, int factor) {
+void draw_marks(cv::Mat image, const std::vector<OverlayFrame>& marks, int factor) {
   const Pen pen{std::clamp(image.cols / 800.0, 1.0, 2.0)};
   std::vector<cv::Rect> taken;
   for (const auto& mark : marks) {
@@ -60,7 +60,7 @@ void draw_marks(cv::Mat image, const std::vector<Mark>& marks, int factor) {
 
 }  // namespace
 
-ColorImage finish(const ColorImage& picture, const std::vector<Mark>& marks,
+ColorImage finish(const ColorImage& picture, const std::vector<OverlayFrame>& marks,
                   const std::array<bool, kLabels.size()>& shown, const OverlayOptions& options) {
   if (picture.empty()) return {};
   const bool enlarge = options.legend && picture.width() < kNarrowest;

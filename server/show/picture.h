@@ -9,18 +9,12 @@
 
 namespace meshloop::show {
 
-/// A frame with a line of text, in the pixels of the picture before it is enlarged.
-struct Mark {
-  Eigen::AlignedBox2i box;
-  std::string text;
-};
-
 /// Narrower pictures are enlarged so that the legend stays readable.
 inline constexpr int kNarrowest = 640;
 
 /// The picture, enlarged by a whole number when it is narrower than kNarrowest and gets a legend; with its marks; and,
 /// below it, the legend for the labels for which shown[label] is true.
-[[nodiscard]] ColorImage finish(const ColorImage& picture, const std::vector<Mark>& marks,
+[[nodiscard]] ColorImage finish(const ColorImage& picture, const std::vector<OverlayFrame>& marks,
                                 const std::array<bool, kLabels.size()>& shown, const OverlayOptions& options);
 
 }  // namespace meshloop::show
