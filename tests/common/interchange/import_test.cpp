@@ -254,9 +254,9 @@ TEST(Weld, JoinsEqualVerticesAndKeepsDifferentColorsApart) {
 }
 
 TEST(Split, LeavesWhatHangsTogetherWhole) {
-  Submesh both = test::grid(40);  // a thing stands in the middle of a table of twice as many triangles
+  Submesh both = test::grid(40, 0.0625F, false);  // a thing stands in the middle of a table of twice as many triangles
   const std::size_t of_table = both.triangles.size();
-  const Submesh thing = test::grid(20);
+  const Submesh thing = test::grid(20, 0.0625F, false);
   const auto first = static_cast<std::uint32_t>(both.positions.size());
   for (const auto& p : thing.positions) both.positions.emplace_back(p + Eigen::Vector3f{0.25F, 0.25F, 0.5F});
   for (const auto& [a, b, c] : thing.triangles) both.triangles.push_back({first + a, first + b, first + c});
