@@ -26,12 +26,12 @@ class Writer {
     append(std::as_bytes(std::span{values}));
   }
 
-  /// None is a picture without bytes.
+  /// None is two empty lists: one way only to write each texture, so that what is read is what was written.
   void texture(const Texture& texture) {
-    const ProjectedTexture none;
-    const ProjectedTexture& written = texture ? *texture : none;
-    list(std::vector<float>(written.projection.data(), written.projection.data() + written.projection.size()));
-    list(written.jpeg);
+    std::vector<float> values;
+    if (texture) values.assign(texture->projection.data(), texture->projection.data() + texture->projection.size());
+    list(values);
+    list(texture ? texture->jpeg : std::vector<std::byte>{});
   }
 
   [[nodiscard]] bool good() const { return good_; }
@@ -69,8 +69,9 @@ class Reader {
     std::vector<float> values;
     std::vector<std::byte> jpeg;
     TextureProjection projection;
-    if (!list(values) || !list(jpeg) || values.size() != static_cast<std::size_t>(projection.size())) return false;
-    if (jpeg.empty()) return true;
+    if (!list(values) || !list(jpeg)) return false;
+    if (values.empty() && jpeg.empty()) return true;
+    if (values.size() != static_cast<std::size_t>(projection.size())) return false;
     std::copy(values.begin(), values.end(), projection.data());
     auto made = make_projected_texture(std::move(jpeg), projection);
     if (made) texture = std::move(*made);

@@ -9,7 +9,6 @@
 
 #include "common/interchange/isolated_import.h"
 #include "common/interchange/model_file.h"
-#include "common/interchange/part_buffer.h"
 #include "common/interchange/split.h"
 #include "common/interchange/weld.h"
 #include "common/interchange/writers.h"
@@ -219,27 +218,6 @@ TEST_F(Import, RefusesAModelInOtherUnits) {
   const auto tiny = import_as_model(write("km.obj", "v 0 0 0\nv 0.00003 0 0\nv 0 0.00001 0\nf 1 2 3\n"));
   ASSERT_FALSE(tiny);
   EXPECT_NE(tiny.error().message.find("metres"), std::string::npos) << tiny.error().message;
-}
-
-TEST(PartBuffer, RefusesEveryTruncationAndExtraBytes) {
-  const ReadParts read{{{"a", test::grid(2)}, {"", test::grid(1, 1, false)}}, {0.001, LengthUnit::Source::stated}};
-  std::vector<std::byte> bytes;
-  ASSERT_TRUE(write_parts(read, [&bytes](std::span<const std::byte> more) {
-    bytes.insert(bytes.end(), more.begin(), more.end());
-    return true;
-  }));
-  const auto back = parts_from_bytes(bytes);
-  ASSERT_TRUE(back);
-  EXPECT_EQ(back->unit.metres, 0.001);
-  EXPECT_EQ(back->unit.source, LengthUnit::Source::stated);
-  ASSERT_EQ(back->parts.size(), 2u);
-  EXPECT_EQ(back->parts[0].name, "a");
-  EXPECT_EQ(content_hash(back->parts[1].submesh), content_hash(read.parts[1].submesh));
-  for (std::size_t size = 0; size < bytes.size(); ++size) {
-    EXPECT_FALSE(parts_from_bytes(std::span{bytes}.first(size))) << size;
-  }
-  bytes.push_back(std::byte{0});
-  EXPECT_FALSE(parts_from_bytes(bytes));
 }
 
 TEST(Weld, JoinsEqualVerticesAndKeepsDifferentColorsApart) {
