@@ -1,7 +1,6 @@
 #include "server/adjust/see_through.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/base/median.h"
 #include "server/adjust/depth_buffer.h"
@@ -9,8 +8,6 @@
 
 namespace meshloop::adjust {
 namespace {
-
-constexpr double kSame_m = 0.01;
 
 /// Of the triangles of a removal, by position: those that go whole or are cut are drawn with their position.
 std::vector<std::uint32_t> touched_triangles(const Removal& removal) {
@@ -81,8 +78,7 @@ struct Look {
     for (int y = drawn.window.y0; y < drawn.window.y1; ++y) {
       for (int x = drawn.window.x0; x < drawn.window.x1; ++x) {
         const double z = drawn.depth(x, y);
-        if (!(z > 0) || snapshot->comparison->node_index(x, y) != position + 1) continue;
-        if (std::abs(snapshot->comparison->expected(x, y) - z) > kSame_m) continue;
+        if (!(z > 0) || !surface->is_expected(x, y, position, z)) continue;
         const std::uint32_t t = drawn.what[drawn.at(x, y)];
         const auto cut = removal.cuts.find(t);
         const bool goes = removal.triangles[t] ||

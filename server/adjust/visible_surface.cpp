@@ -10,6 +10,7 @@ namespace meshloop::adjust {
 namespace {
 
 constexpr double kSmallestTolerance_m = 0.002;
+constexpr double kDrawnTwice_m = 0.01;
 constexpr int kSilhouette_px = 2;
 
 }  // namespace
@@ -113,6 +114,11 @@ bool VisibleSurface::shows(int x, int y, std::uint32_t node_index, double z) con
 bool VisibleSurface::is_seen_through(int x, int y, double z) const {
   const double measured = snapshot_->frame->depth(x, y);
   return evidence_(x, y) != 0 && measured > 0 && measured - z > threshold_m_(x, y);
+}
+
+bool VisibleSurface::is_expected(int x, int y, std::size_t node_position, double z) const {
+  const Comparison& c = *snapshot_->comparison;
+  return c.node_index(x, y) == node_position + 1 && std::abs(c.expected(x, y) - z) <= kDrawnTwice_m;
 }
 
 Sighting VisibleSurface::look_at(const Eigen::Vector3d& p_world, std::size_t node_position) const {

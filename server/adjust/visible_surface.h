@@ -40,6 +40,9 @@ class VisibleSurface {
   /// A point at this depth is seen through at a pixel that speaks for a region.
   [[nodiscard]] bool is_seen_through(int x, int y, double z) const;
 
+  /// What is expected at the pixel is this node's surface, at about this depth: within 1 cm, as it was drawn twice.
+  [[nodiscard]] bool is_expected(int x, int y, std::size_t node_position, double z) const;
+
   /// Positions in Model::nodes that a confirmed removal region shows.
   [[nodiscard]] std::vector<std::size_t> nodes_in_removal_regions() const;
 

@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
+#include <set>
 
 #include "boxes.h"
 #include "server/adjust/proposal.h"
@@ -30,6 +33,26 @@ std::size_t triangles_in(const Submesh& mesh, const Eigen::AlignedBox3f& box) {
     count += box.contains(mesh.positions[a]) && box.contains(mesh.positions[b]) && box.contains(mesh.positions[c]);
   }
   return count;
+}
+
+using Corners = std::array<std::array<float, 3>, 3>;
+
+Corners corners_of(const Submesh& mesh, const Triangle& triangle) {
+  Corners corners{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto& p = mesh.positions[triangle[i]];
+    corners[i] = {p.x(), p.y(), p.z()};
+  }
+  return corners;
+}
+
+// One mesh of two, without welding them.
+Submesh joined(Submesh first, const Submesh& second) {
+  const auto offset = static_cast<std::uint32_t>(first.positions.size());
+  first.positions.insert(first.positions.end(), second.positions.begin(), second.positions.end());
+  first.colors.insert(first.colors.end(), second.colors.begin(), second.colors.end());
+  for (const auto& [a, b, c] : second.triangles) first.triangles.push_back({a + offset, b + offset, c + offset});
+  return first;
 }
 
 // A box in front of the wall, modelled as node 2, that is gone in reality.
@@ -117,6 +140,31 @@ TEST(Removal, DoesNotTouchAnotherNodeInFrontOfTheRegion) {
   // Behind the post the box's front survives: nothing was seen there.
   const Eigen::AlignedBox3f behind{Eigen::Vector3f{-0.022f, -1, 1.399f}, Eigen::Vector3f{0.022f, 1, 1.401f}};
   EXPECT_GT(triangles_in(*model.find(2)->submesh, behind), 0u);
+}
+
+TEST(Removal, KeepsWhatTouchesWhatGoes) {
+  // A wall in one node with the post that stands against it. The wall is gone, the post is not.
+  const Box gone{{-0.5, -0.4, 1.5}, {0.5, 0.4, 1.52}, 2, false};
+  const Box post{{-0.05, -0.2, 1.45}, {0.05, 0.2, 1.5}, 3};
+  const Pose camera = look_at({0.3, -0.2, 0.1}, {0, 0, 1.5}, {0, -1, 0});
+  auto world = make_world({kWall, gone, post}, camera);
+  const Submesh wall = boxes::tessellate(gone);
+  world->model.nodes[1] = make_node(2, "both", joined(wall, boxes::tessellate(post)));
+  world->model.nodes.pop_back();
+  for (auto& index : world->comparison.node_index.pixels()) index = std::min(index, 2U);
+  const auto proposals = propose(world->snapshot(), 10, {});
+  ASSERT_FALSE(proposals.empty());
+  const Submesh left = *after(*world, proposals).find(2)->submesh;
+  const auto first_of_post = static_cast<std::ptrdiff_t>(wall.triangles.size());
+  const Submesh& before = *world->model.find(2)->submesh;
+  std::set<Corners> stays;
+  for (const auto& triangle : left.triangles) stays.insert(corners_of(left, triangle));
+  std::size_t lost = 0;
+  std::for_each(before.triangles.begin() + first_of_post, before.triangles.end(),
+                [&](const Triangle& triangle) { lost += 1 - stays.count(corners_of(before, triangle)); });
+  EXPECT_EQ(lost, 0u) << "triangles of the post";
+  const Eigen::AlignedBox3f front{Eigen::Vector3f{-1, -1, 1.499F}, Eigen::Vector3f{-0.1F, 1, 1.501F}};
+  EXPECT_EQ(triangles_in(left, front), 0u);
 }
 
 TEST(Removal, TwoRegionsOnOneNodeBecomeOneEdit) {
