@@ -184,7 +184,7 @@ Status adjust_frame(AdjustRun& run, const TrackedFrame& tracked, const std::opti
                     {"edge_rings", rings_json(changes.rings)},
                     {"joint_poses", joint_json(changes.joint)},
                     {"registration", registration_json(changes.registration, tracked.depth_pose)}};
-  if (changes.withheld) return withhold(*changes.withheld);
+  if (changes.withheld) return withhold(changes.withheld->reason);
   auto offered = identify(run, *tools.store, std::move(changes.proposals));
   if (!offered) return fail(offered.error());
   result.offered = std::move(*offered);

@@ -41,6 +41,33 @@ double position_sigma(const TrackedPose& pose) {
   return std::sqrt(pose.covariance.topLeftCorner<3, 3>().trace());
 }
 
+/// Refers to what it is made of.
+Snapshot snapshot_of(const TrackedFrame& tracked, const Examination& examination, const Rig& rig, const Model& model) {
+  return {.model = &model,
+          .frame = &tracked.frame,
+          .rig = &rig,
+          .depth_pose = tracked.depth_pose,
+          .refined_T_camera_world = std::nullopt,
+          .fused = nullptr,
+          .comparison = &examination.comparison,
+          .regions = &examination.regions};
+}
+
+PoseCheck check_pose(const Snapshot& snapshot, bool has_reference) {
+  PoseCheck check;
+  const auto object = [&check](PoseGate gate, std::optional<std::string> reason) {
+    if (reason && !check.objection) check.objection = PoseObjection{gate, std::move(*reason)};
+  };
+  check.registration = refine_pose(snapshot);
+  object(PoseGate::registration, reason_against_registration(check.registration));
+  if (!has_reference) {
+    object(PoseGate::unconfirmed, reason_against_unconfirmed(check.registration, *snapshot.model));
+  }
+  check.rings = find_edge_rings(*snapshot.comparison, snapshot.frame->depth, snapshot.rig->depth, snapshot.rig->sensor);
+  object(PoseGate::rings, reason_against_rings(check.rings));
+  return check;
+}
+
 }  // namespace
 
 std::optional<std::string> reason_against(const TrackedPose& depth_pose) {
@@ -71,25 +98,20 @@ std::optional<std::string> reason_to_wait(const TrackedFrame& tracked, const std
   return std::nullopt;
 }
 
+PoseCheck check_pose(const TrackedFrame& tracked, const Examination& examination, const Rig& rig, const Model& model) {
+  return check_pose(snapshot_of(tracked, examination, rig, model), tracked.has_reference);
+}
+
 ProposedChanges propose_changes(const TrackedFrame& tracked, const Examination& examination,
                                 const std::vector<DepthView>& before, const Rig& rig, const SceneStore& store,
                                 const AdjustOptions& options) {
   const auto model = store.model();
-  Snapshot snapshot{.model = model.get(),
-                    .frame = &tracked.frame,
-                    .rig = &rig,
-                    .depth_pose = tracked.depth_pose,
-                    .refined_T_camera_world = std::nullopt,
-                    .fused = nullptr,
-                    .comparison = &examination.comparison,
-                    .regions = &examination.regions};
+  Snapshot snapshot = snapshot_of(tracked, examination, rig, *model);
+  auto checked = check_pose(snapshot, tracked.has_reference);
   ProposedChanges changes;
-  changes.registration = refine_pose(snapshot);
-  changes.withheld = reason_against_registration(changes.registration);
-  if (!changes.withheld && !tracked.has_reference)
-    changes.withheld = reason_against_unconfirmed(changes.registration, *model);
-  changes.rings = find_edge_rings(examination.comparison, tracked.frame.depth, rig.depth, rig.sensor);
-  if (!changes.withheld) changes.withheld = reason_against_rings(changes.rings);
+  changes.registration = std::move(checked.registration);
+  changes.rings = checked.rings;
+  changes.withheld = std::move(checked.objection);
   if (changes.withheld) return changes;
   FusedDepth fused;
   if (!before.empty()) {

@@ -22,6 +22,24 @@ struct Acceptance {
   std::vector<Move> moves;
 };
 
+/// What speaks against a pose (server/adjust/gates.h).
+enum class PoseGate { registration, unconfirmed, rings };
+inline constexpr std::size_t kPoseGates = 3;
+struct PoseObjection {
+  PoseGate gate = PoseGate::registration;
+  /// One sentence, with what to do.
+  std::string reason;
+};
+
+/// Whether picture and model agree with the pose of an examined frame.
+struct PoseCheck {
+  Registration registration;
+  EdgeRings rings;
+  std::optional<PoseObjection> objection;
+};
+[[nodiscard]] PoseCheck check_pose(const TrackedFrame& tracked, const Examination& examination, const Rig& rig,
+                                   const Model& model);
+
 /// What one examined frame proposes, and how its pose was made better for new surface.
 struct ProposedChanges {
   std::vector<Proposal> proposals;
@@ -30,8 +48,8 @@ struct ProposedChanges {
   EdgeRings rings;
   /// Of the frame and those before it; none of a single frame.
   std::optional<JointPoses> joint;
-  /// Why nothing is proposed: the picture or the model speaks against the pose (server/adjust/gates.h).
-  std::optional<std::string> withheld;
+  /// Why nothing is proposed: the picture or the model speaks against the pose.
+  std::optional<PoseObjection> withheld;
   /// Of how many frames new surface is made, if any is.
   std::size_t frames = 1;
 };

@@ -57,9 +57,12 @@ Result<std::unique_ptr<Station>> Station::create(const StationOptions& options, 
                                          .offer = std::nullopt,
                                          .offered_regions = {},
                                          .looked = std::nullopt,
-                                         .trust = {}}};
+                                         .trust = {},
+                                         .tally = {},
+                                         .first_revision = 0}};
   std::unique_ptr<Station> station{new Station{std::move(parts)}};
   const auto model = station->parts_->store->model();
+  station->parts_->first_revision = model->revision;
   if (auto done = station->publish(model, wall_clock_ns()); !done) return fail(done.error());
   station->tell({{"event", "serving"}, {"scene", options.link.scene}, {"revision", model->revision}});
   return station;
@@ -246,7 +249,11 @@ Status Station::finish(const InFlight& frame, Examination examination) {
   event["regions"] = confirmed_json(tracked, examination);
   const auto confirmed = event["regions"].size();
   event["confirmed_regions"] = confirmed;
-  if (confirmed > 0 && frame.wait) event["waits"] = *frame.wait;
+  if (confirmed > 0) parts_->tally.add_confirmed();
+  if (confirmed > 0 && frame.wait) {
+    parts_->tally.add_waiting();
+    event["waits"] = *frame.wait;
+  }
   tell(std::move(event));
   if (parts_->after_is_due) {
     parts_->after_is_due = false;
@@ -270,6 +277,18 @@ Status Station::serve() {
   return {};
 }
 
+void Station::tell_end() const {
+  tell({{"event", "end"}, {"revision", parts_->store->model()->revision}, {"changes", parts_->tally.json()}});
+  // Whoever is served meanwhile shall not learn it when that ends.
+  if (parts_->options.serve_s == 0) return;
+  if (const auto used = check_any_used(); !used) log_warning("{}", used.error().message);
+}
+
+Status Station::check_any_used() const {
+  if (parts_->store->model()->revision != parts_->first_revision || !parts_->tally.is_all_withheld()) return {};
+  return fail("no frame could be used; " + parts_->tally.why_withheld());
+}
+
 Status Station::run(TrackedFrames& frames) {
   while (!stop_requested()) {
     // The next frame is tracked while this one is compared, if it is there; otherwise nothing shall wait for it.
@@ -284,8 +303,9 @@ Status Station::run(TrackedFrames& frames) {
     begin(std::move(**tracked));
   }
   if (auto done = finish(); !done) return done;
-  tell({{"event", "end"}, {"revision", parts_->store->model()->revision}});
-  return serve();
+  tell_end();
+  if (auto done = serve(); !done) return done;
+  return check_any_used();
 }
 
 }  // namespace meshloop

@@ -47,7 +47,8 @@ class Station {
   /// Opens the store (which must exist), starts the network and publishes the present model.
   [[nodiscard]] static Result<std::unique_ptr<Station>> create(const StationOptions& options, const Rig& rig);
 
-  /// Until the source ends, a stop signal arrives, or an error that cannot be gone around.
+  /// Until the source ends, a stop signal arrives, or an error that cannot be gone around. Fails, too, when nothing was
+  /// changed and each frame that could have changed something was withheld.
   [[nodiscard]] Status run(TrackedFrames& frames);
 
  private:
@@ -80,7 +81,7 @@ class Station {
   [[nodiscard]] Result<Offer> look(TrackedFrame tracked, Examination examination, Fusable fusable, Turn turn);
   [[nodiscard]] Fusable fusable_with(const TrackedFrame& tracked, const RegionMap& regions) const;
   /// Counts the frames that must pass the gates before the model is changed again.
-  [[nodiscard]] std::optional<std::string> why_withheld(const ProposedChanges& changes);
+  [[nodiscard]] std::optional<std::string> why_withheld(int frame, const ProposedChanges& changes);
   /// One revision, published, brought to the disk and told.
   [[nodiscard]] Status accept(const Offer& offer, const std::vector<Offered>& accepted, const std::string& author);
   /// The same, with a second revision of what stands behind, if the rule accepts that. What is left out is told then.
@@ -120,6 +121,9 @@ class Station {
   void write_pictures(const char* when, Revision revision, const TrackedFrame& tracked, const Examination& examination,
                       const ColorImage* color);
   [[nodiscard]] Status serve();
+  void tell_end() const;
+  /// Why the run changed nothing, if its poses are to blame.
+  [[nodiscard]] Status check_any_used() const;
   void tell(nlohmann::json event) const;
 
  public:

@@ -23,6 +23,10 @@ std::vector<RegionId> confirmed_ids(const RegionMap& regions) {
   return ids;
 }
 
+std::optional<std::string> reason_of(const std::optional<PoseObjection>& objection) {
+  return objection ? std::optional{objection->reason} : std::nullopt;
+}
+
 /// Why these cannot be accepted together.
 std::optional<std::string> contradiction(const Model& model, const std::vector<Offered>& accepted) {
   std::vector<Proposal> proposals;
@@ -39,6 +43,7 @@ Station::Fusable Station::fusable_with(const TrackedFrame& tracked, const Region
 
 Result<Station::Offer> Station::look(TrackedFrame tracked, Examination examination, Fusable fusable, Turn turn) {
   const Stopwatch watch;
+  const int frame = tracked.frame.index;
   auto changes = propose_changes(tracked, examination, fusable.recent.before(tracked, fusable.first), parts_->rig,
                                  *parts_->store, parts_->options.adjust);
   Offer offer{.tracked = std::move(tracked),
@@ -47,7 +52,7 @@ Result<Station::Offer> Station::look(TrackedFrame tracked, Examination examinati
               .rings = changes.rings,
               .joint = changes.joint,
               .fusable = std::move(fusable),
-              .withheld = turn == Turn::first ? why_withheld(changes) : changes.withheld,
+              .withheld = turn == Turn::first ? why_withheld(frame, changes) : reason_of(changes.withheld),
               .frames = changes.frames,
               .snapshot_ms = watch.milliseconds(),
               .proposals = {}};
@@ -65,14 +70,16 @@ Result<Station::Offer> Station::look(TrackedFrame tracked, Examination examinati
   return offer;
 }
 
-std::optional<std::string> Station::why_withheld(const ProposedChanges& changes) {
+std::optional<std::string> Station::why_withheld(int frame, const ProposedChanges& changes) {
   if (changes.withheld) {
     parts_->trust.lose();
     parts_->recent.clear();  // the frames before passed no gate
-    return changes.withheld;
+    parts_->tally.add_withheld(frame, *changes.withheld);
+    return changes.withheld->reason;
   }
-  if (changes.proposals.empty()) return std::nullopt;
-  return parts_->trust.regain();
+  auto doubt = changes.proposals.empty() ? std::nullopt : parts_->trust.regain();
+  doubt ? parts_->tally.add_distrusted() : parts_->tally.add_usable();
+  return doubt;
 }
 
 bool Station::is_worth_a_look(const RegionMap& regions, double timestamp_s) const {

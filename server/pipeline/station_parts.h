@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/pipeline/change_tally.h"
 #include "server/pipeline/operator_commands.h"
 #include "server/pipeline/pose_trust.h"
 #include "server/pipeline/recent_depths.h"
@@ -72,6 +73,9 @@ struct Station::Parts {
   RegionMap offered_regions;
   std::optional<Looked> looked;
   PoseTrust trust;
+  ChangeTally tally;
+  /// That the run began with.
+  Revision first_revision = 0;
 };
 
 }  // namespace meshloop

@@ -1,6 +1,7 @@
 """Proposals as an operator meets them: ids that last, decisions that are remembered, pictures, and commands while it runs."""
 import json
 import os
+import re
 import signal
 import subprocess
 import time
@@ -247,6 +248,25 @@ programs.check(not [e for e in events if e["event"] == "revision"]
                "nothing is sure to change by less than a millimetre")
 told, _ = start("--accept", "sure", "--sure-confidence", "0", "--sure-change", "100", scene=sure).communicate(timeout=200)
 programs.check('"event":"revision"' in told, "everything that the model can be compared with is sure within 100 m")
+
+print("-- markers that are 2 cm off")
+misplaced = path / "misplaced.yaml"
+misplaced.write_text(re.sub(r"- \[(\S+), (\S+), (\S+)\]", lambda c: f"- [{c[1]}, {c[2]}, {float(c[3]) + 0.02}]",
+                            (data / "markers.yaml").read_text()))
+
+
+def run_misplaced(*more):
+    """Its end, how many frames were withheld, and the event at its end."""
+    result = programs.run(*command[:2], "--scene", new_scene(f"misplaced{more[1]}.db"), *command[4:6], "--markers", misplaced, *command[8:],
+                          *more, timeout=200)
+    told = [json.loads(line) for line in result.stdout.splitlines()]
+    return result, [e for e in told if e["event"] == "withheld"], told[-1]
+
+
+result, withheld, end = run_misplaced("--accept", "all")
+programs.check(says(result, "no frame could be used", "check the given pose or trajectory", "markers' file"), show(result))
+programs.check(end["event"] == "end" and end["changes"]["withheld"] == end["changes"]["looked_at"] == len(withheld) > 10
+               and "markers' file" in end["changes"]["reason"], f"the end says it too: {end}")
 
 print("-- what the rule leaves out beside what it accepts")
 partly = new_scene("partly.db")
