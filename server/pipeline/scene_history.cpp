@@ -64,6 +64,15 @@ std::string record_text(const ProposalRecord& record) {
 
 }  // namespace
 
+std::optional<std::string> why_not_undone_live(const RevisionInfo& change) {
+  if (change.snapshot || !change.proposals.empty() || !change.summary.starts_with(kImported)) return std::nullopt;
+  return fmt::format(
+      "revision {} is the import of the model ({}), and all devices would lose it; to take it back, end the station "
+      "and "
+      "use `scene undo`, or `scene restore REVISION`",
+      change.revision, change.summary);
+}
+
 Status print_log(const SceneStore& store, bool json, const std::string& pictures_folder) {
   const auto log = store.log();
   if (!log) return fail(log.error());

@@ -7,6 +7,7 @@
 #include "common/base/clock.h"
 #include "server/pipeline/proposal_json.h"
 #include "server/pipeline/result_json.h"
+#include "server/pipeline/scene_history.h"
 #include "server/pipeline/station_parts.h"
 
 namespace meshloop {
@@ -269,6 +270,12 @@ Result<Station::Refusal> Station::reject_as_told(OperatorCommand command) {
 Result<Station::Refusal> Station::go_back_or_forth(bool back) {
   auto& store = *parts_->store;
   const auto& author = parts_->options.operator_name;
+  if (back) {
+    const auto change = store.undoable();
+    if (!change) return fail(change.error());
+    auto why = *change ? why_not_undone_live(**change) : std::nullopt;
+    if (why) return why;
+  }
   const auto model = back ? store.undo(author) : store.redo(author);
   if (!model) return Refusal{model.error().message};
   const auto now_ns = wall_clock_ns();

@@ -50,6 +50,7 @@ class SqliteSceneStore final : public SceneStore {
     return go_back_or_forth(false, author);
   }
   Result<std::shared_ptr<const Model>> restore(Revision revision, const std::string& author) override;
+  Result<std::optional<RevisionInfo>> undoable() const override;
   Result<std::vector<RevisionInfo>> log() const override;
   Result<std::shared_ptr<const Model>> model_at(Revision revision) const override;
   Result<std::vector<ProposalRecord>> proposals() const override;
@@ -228,6 +229,19 @@ Result<std::shared_ptr<const Model>> SqliteSceneStore::restore(Revision revision
   JournalEntry entry{info_of_restore(revision, *model_, *after, author),
                      {after->revision, after->revision, writing->here.content, std::nullopt}};
   return write(std::move(*writing), std::move(*after), std::move(entry), next_node_id_);
+}
+
+Result<std::optional<RevisionInfo>> SqliteSceneStore::undoable() const {
+  const std::scoped_lock lock{mutex_};
+  const auto snapshot = Transaction::begin(database_, "BEGIN");
+  if (!snapshot) return fail(snapshot.error());
+  const auto here = place_of(database_, model_->revision);
+  if (!here) return fail(here.error());
+  if (!here->undo_content) return std::optional<RevisionInfo>{};
+  auto change = read_info(database_, here->content);
+  if (auto same = check_nothing_changed(); !same) return fail(same.error());
+  if (!change) return fail(change.error());
+  return std::optional{std::move(*change)};
 }
 
 Result<std::vector<RevisionInfo>> SqliteSceneStore::log() const {

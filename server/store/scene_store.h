@@ -82,6 +82,9 @@ class SceneStore {
   [[nodiscard]] virtual Result<std::shared_ptr<const Model>> undo(const std::string& author) = 0;
   [[nodiscard]] virtual Result<std::shared_ptr<const Model>> redo(const std::string& author) = 0;
 
+  /// The change that undo would take back, without pictures and snapshot; nothing where there is nothing to undo.
+  [[nodiscard]] virtual Result<std::optional<RevisionInfo>> undoable() const = 0;
+
   /// The content of any revision again, undone ones and 0 (the empty scene) included, as a new revision. It is a change
   /// like an accepted one: undo takes it back, redo after that brings it again, and redo no longer reaches what was
   /// undone before it. The journal's triangles are the net of each node. Proposals stay as they are. Refuses a revision

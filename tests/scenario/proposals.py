@@ -213,6 +213,8 @@ for wrong in ("accept", "accept 9999", "acept 1", "reject 9999", "redo", "x" * 5
     station.process.stdin.flush()
     answer = station.until(lambda e: e["event"] == "command")
     programs.check(answer.get("refused"), f"'{wrong[:20]}': {answer.get('refused')}")
+answer = station.do("undo")
+programs.check("scene undo" in (answer.get("refused") or "") and answer["revision"] == 1, f"the import stays: {answer.get('refused')}")
 one = offered[0]
 answer = station.do(f"accept {one}")
 revision = next((e for e in station.events if e["event"] == "revision"), {})

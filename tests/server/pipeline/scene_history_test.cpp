@@ -22,6 +22,19 @@ std::vector<std::byte> striped_picture() {
   return encode_png(picture).value();
 }
 
+TEST(SceneHistory, KeepsTheImportWhileTheStationRuns) {
+  RevisionInfo change;
+  change.revision = 1;
+  change.summary = "imported model.ply";
+  EXPECT_THAT(why_not_undone_live(change).value(),
+              testing::AllOf(testing::HasSubstr("revision 1"), testing::HasSubstr("scene undo")));
+  change.summary = "revision 1 restored";
+  EXPECT_FALSE(why_not_undone_live(change));
+  change.summary = "proposal 1: +3 triangles";
+  change.proposals.emplace_back();
+  EXPECT_FALSE(why_not_undone_live(change));
+}
+
 TEST(SceneHistory, WritesNoDamagedPicture) {
   const fs::path folder = fs::temp_directory_path() / ("meshloop-history-" + std::to_string(::getpid()));
   fs::create_directories(folder);

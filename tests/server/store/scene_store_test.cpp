@@ -74,6 +74,24 @@ TEST_F(Store, KeepsGeometryWithoutColors) {
   EXPECT_FALSE(open_or_die(scene_)->model()->nodes[0].submesh->has_colors());
 }
 
+TEST_F(Store, TellsWhatUndoWouldTakeBack) {
+  const auto store = open_or_die(scene_);
+  EXPECT_FALSE(store->undoable().value());
+  RevisionInfo info;
+  info.summary = "first";
+  store->commit({add(1, 1)}, info).value();
+  info.summary = "second";
+  store->commit({add(2, 2)}, info).value();
+  EXPECT_EQ(store->undoable().value().value().summary, "second");
+  store->undo("anna").value();
+  EXPECT_EQ(store->undoable().value().value().summary, "first") << "of an undo's content, not the undo";
+  store->redo("anna").value();
+  EXPECT_EQ(store->undoable().value().value().revision, 2u);
+  store->undo("anna").value();
+  store->undo("anna").value();
+  EXPECT_FALSE(store->undoable().value());
+}
+
 TEST_F(Store, UndoAndRedoAreNewRevisions) {
   const auto store = open_or_die(scene_);
   const auto one = store->commit({add(1, 1)}, {}).value();
