@@ -80,8 +80,14 @@ class Station {
   /// What a frame proposes, remembered; or why it may propose nothing, which is told.
   [[nodiscard]] Result<Offer> look(TrackedFrame tracked, Examination examination, Fusable fusable, Turn turn);
   [[nodiscard]] Fusable fusable_with(const TrackedFrame& tracked, const RegionMap& regions) const;
-  /// Counts the frames that must pass the gates before the model is changed again.
-  [[nodiscard]] std::optional<std::string> why_withheld(int frame, const ProposedChanges& changes);
+  /// Counts the frames that must pass the gates before the model is changed again, and those that were withheld.
+  /// `speaks_for_poses`: a frame that passed the gates is one of those that must.
+  [[nodiscard]] std::optional<std::string> count_withheld(int frame, const std::optional<PoseObjection>& objection,
+                                                          bool speaks_for_poses);
+  void tell_withheld(const TrackedFrame& tracked, const std::string& reason, const Registration& registration,
+                     const EdgeRings& rings) const;
+  /// Where nothing is proposed to anybody: tells once a second whether the pose is wrong.
+  void watch_pose(const TrackedFrame& tracked, const Examination& examination);
   /// One revision, published, brought to the disk and told.
   [[nodiscard]] Status accept(const Offer& offer, const std::vector<Offered>& accepted, const std::string& author);
   /// The same, with a second revision of what stands behind, if the rule accepts that. What is left out is told then.

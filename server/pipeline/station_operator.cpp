@@ -53,16 +53,13 @@ Result<Station::Offer> Station::look(TrackedFrame tracked, Examination examinati
               .rings = changes.rings,
               .joint = changes.joint,
               .fusable = std::move(fusable),
-              .withheld = turn == Turn::first ? why_withheld(frame, changes) : reason_of(changes.withheld),
+              .withheld = turn == Turn::first ? count_withheld(frame, changes.withheld, !changes.proposals.empty())
+                                              : reason_of(changes.withheld),
               .frames = changes.frames,
               .snapshot_ms = watch.milliseconds(),
               .proposals = {}};
   if (offer.withheld) {
-    tell({{"event", "withheld"},
-          {"frame", offer.tracked.frame.index},
-          {"reason", *offer.withheld},
-          {"registration", registration_json(offer.registration, offer.tracked.depth_pose)},
-          {"edge_rings", rings_json(offer.rings)}});
+    tell_withheld(offer.tracked, *offer.withheld, offer.registration, offer.rings);
     return offer;
   }
   auto proposals = remember_proposals(*parts_->store, std::move(changes.proposals));
@@ -71,14 +68,24 @@ Result<Station::Offer> Station::look(TrackedFrame tracked, Examination examinati
   return offer;
 }
 
-std::optional<std::string> Station::why_withheld(int frame, const ProposedChanges& changes) {
-  if (changes.withheld) {
+void Station::tell_withheld(const TrackedFrame& tracked, const std::string& reason, const Registration& registration,
+                            const EdgeRings& rings) const {
+  tell({{"event", "withheld"},
+        {"frame", tracked.frame.index},
+        {"reason", reason},
+        {"registration", registration_json(registration, tracked.depth_pose)},
+        {"edge_rings", rings_json(rings)}});
+}
+
+std::optional<std::string> Station::count_withheld(int frame, const std::optional<PoseObjection>& objection,
+                                                   bool speaks_for_poses) {
+  if (objection) {
     parts_->trust.lose();
     parts_->recent.clear();  // the frames before passed no gate
-    parts_->tally.add_withheld(frame, *changes.withheld);
-    return changes.withheld->reason;
+    parts_->tally.add_withheld(frame, *objection);
+    return objection->reason;
   }
-  auto doubt = changes.proposals.empty() ? std::nullopt : parts_->trust.regain();
+  auto doubt = speaks_for_poses ? parts_->trust.regain() : std::nullopt;
   doubt ? parts_->tally.add_distrusted() : parts_->tally.add_usable();
   return doubt;
 }
@@ -92,7 +99,11 @@ bool Station::is_worth_a_look(const RegionMap& regions, double timestamp_s) cons
 Status Station::consider(const TrackedFrame& tracked, Examination examination) {
   const bool has_rule = parts_->options.accept.what != AcceptanceRule::What::none;
   const double now_s = tracked.frame.depth_timestamp_s;
-  if ((!has_rule && !parts_->options.commands) || !is_worth_a_look(examination.regions, now_s)) return {};
+  if (!has_rule && !parts_->options.commands) {
+    watch_pose(tracked, examination);
+    return {};
+  }
+  if (!is_worth_a_look(examination.regions, now_s)) return {};
   auto fusable = fusable_with(tracked, examination.regions);
   auto offer = look(tracked, std::move(examination), std::move(fusable), Turn::first);
   if (!offer) return fail(offer.error());
@@ -109,6 +120,16 @@ Status Station::consider(const TrackedFrame& tracked, Examination examination) {
   parts_->offered_regions = offer->examination.regions;
   parts_->offer = std::move(*offer);
   return {};
+}
+
+void Station::watch_pose(const TrackedFrame& tracked, const Examination& examination) {
+  const double now_s = tracked.frame.depth_timestamp_s;
+  const auto& looked = parts_->looked;
+  if (looked && now_s >= looked->timestamp_s && now_s - looked->timestamp_s < kLookAgain_s) return;
+  parts_->looked = Looked{{}, now_s};
+  const auto check = check_pose(tracked, examination, parts_->rig, *parts_->store->model());
+  const auto withheld = count_withheld(tracked.frame.index, check.objection, true);
+  if (withheld) tell_withheld(tracked, *withheld, check.registration, check.rings);
 }
 
 Status Station::accept_by_rule(Offer offer, const std::vector<Offered>& accepted) {

@@ -270,6 +270,14 @@ programs.check(says(result, "no frame could be used", "check the given pose or t
 programs.check(end["event"] == "end" and end["changes"]["withheld"] == end["changes"]["looked_at"] == len(withheld) > 10
                and "markers' file" in end["changes"]["reason"], f"the end says it too: {end}")
 
+result, withheld, end = run_misplaced("--accept", "none")
+programs.check(says(result, "no frame could be used", "markers' file") and 1 <= len(withheld) <= 13 and not end["revision"] > 1,
+               f"without a rule it is looked at once a second: {len(withheld)} of {end['changes']['confirmed']} frames; {show(result)}")
+unknown = new_scene("unknown.db")
+told, _ = start("--accept", "none", scene=unknown).communicate(timeout=200)
+end = json.loads(told.splitlines()[-1])
+programs.check(end["changes"]["looked_at"] > 0 == end["changes"]["withheld"] and not listed(unknown), f"... and nothing is proposed: {end}")
+
 print("-- what the rule leaves out beside what it accepts")
 partly = new_scene("partly.db")
 adjust(partly, FIRST, "--reject", leave, "--reason", "not this one")
