@@ -43,11 +43,6 @@ nlohmann::json ChangeTally::json() const {
           {"reason", main != nullptr ? nlohmann::json(main->first_reason) : nlohmann::json(nullptr)}};
 }
 
-std::string ChangeTally::text() const {
-  return fmt::format("{} with confirmed changes: {} waited, {} looked at, {} withheld", frames_text(confirmed_),
-                     waiting_, usable_ + withheld(), withheld());
-}
-
 std::string ChangeTally::why_withheld() const {
   const auto* main = main_gate();
   if (main == nullptr) return {};

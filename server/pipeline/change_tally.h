@@ -27,8 +27,6 @@ class ChangeTally {
   /// `confirmed`, `waiting`, `looked_at`, `withheld` (frames), and `reason`, of the gate that closed most often in the
   /// frame where it did first; null where none did.
   [[nodiscard]] nlohmann::json json() const;
-  /// "2 frames with confirmed changes: 1 waited, 1 looked at, 0 withheld"
-  [[nodiscard]] std::string text() const;
   /// How many were withheld, and the main reason, which says what to check.
   [[nodiscard]] std::string why_withheld() const;
 

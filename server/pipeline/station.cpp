@@ -12,6 +12,7 @@
 #include "common/base/log.h"
 #include "common/image/image_file.h"
 #include "common/program/stop_signal.h"
+#include "server/pipeline/event_text.h"
 #include "server/pipeline/proposal_pictures.h"
 #include "server/pipeline/result_json.h"
 #include "server/pipeline/station_parts.h"
@@ -69,15 +70,8 @@ Result<std::unique_ptr<Station>> Station::create(const StationOptions& options, 
 }
 
 void Station::tell(nlohmann::json event) const {
-  if (parts_->options.json) {
-    std::cout << json_line(event) << std::endl;  // flushed: whoever reads this acts on it
-    return;
-  }
-  std::string text = event["event"].get<std::string>();
-  for (const auto& [key, value] : event.items()) {
-    if (key != "event" && !value.is_structured()) text += fmt::format("  {} {}", key, json_line(value));
-  }
-  std::cout << text << std::endl;
+  // Flushed: whoever reads this acts on it.
+  std::cout << (parts_->options.json ? json_line(event) : event_text(event)) << std::endl;
 }
 
 Status Station::publish(const std::shared_ptr<const Model>& model, std::int64_t accepted_ns) {
