@@ -109,7 +109,7 @@ void add_run_command(CLI::App& app, Action& action) {
       ->check(between(0.001, 100));
   command->add_flag("--commands", arguments->station.commands,
                     "take commands from standard input, one a line: accept all, accept 1,3, reject 2 WHY, undo, redo, "
-                    "list; what is proposed is told with its ids. undo takes back no import");
+                    "list; what is proposed is told with its ids. undo and redo never empty the model");
   arguments->surface.fuse = 8;
   arguments->surface.add_to(*command);
   arguments->person.add_to(*command);

@@ -67,7 +67,7 @@ Status scene_import(const SceneArguments& arguments) {
   RevisionInfo info;
   info.accepted_ns = wall_clock_ns();
   info.author = arguments.person.name;
-  info.summary = kImported + std::filesystem::path(arguments.model.file).filename().string();
+  info.summary = "imported " + std::filesystem::path(arguments.model.file).filename().string();
   info.triangles_added = imported->model.triangle_count();
   auto model = (*store)->commit(edits, std::move(info));
   if (!model) return fail(model.error());

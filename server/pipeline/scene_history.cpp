@@ -64,13 +64,14 @@ std::string record_text(const ProposalRecord& record) {
 
 }  // namespace
 
-std::optional<std::string> why_not_undone_live(const RevisionInfo& change) {
-  if (change.snapshot || !change.proposals.empty() || !change.summary.starts_with(kImported)) return std::nullopt;
-  return fmt::format(
-      "revision {} is the import of the model ({}), and all devices would lose it; to take it back, end the station "
-      "and "
-      "use `scene undo`, or `scene restore REVISION`",
-      change.revision, change.summary);
+Result<bool> would_empty(const SceneStore& store, bool back) {
+  if (store.model()->triangle_count() == 0) return false;
+  const auto shown = back ? store.shown_by_undo() : store.shown_by_redo();
+  if (!shown) return fail(shown.error());
+  if (!*shown) return false;
+  const auto model = store.model_at(**shown);
+  if (!model) return fail(model.error());
+  return (*model)->triangle_count() == 0;
 }
 
 Status print_log(const SceneStore& store, bool json, const std::string& pictures_folder) {

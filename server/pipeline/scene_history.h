@@ -7,10 +7,9 @@
 
 namespace meshloop {
 
-/// How the summary of an import begins in the journal.
-inline constexpr const char* kImported = "imported ";
-/// Why the running station does not take this change back: an import is what its devices place themselves by.
-[[nodiscard]] std::optional<std::string> why_not_undone_live(const RevisionInfo& change);
+/// Whether undo (`back`) or redo would leave nothing of a model. Devices place themselves by it, so the running station
+/// refuses that.
+[[nodiscard]] Result<bool> would_empty(const SceneStore& store, bool back);
 
 /// The journal on stdout; with a folder the snapshots' pictures are written there, as they are stored:
 /// "revision_0002_1.png". Nothing else in the folder is touched. A picture that cannot be read as a PNG is named in a

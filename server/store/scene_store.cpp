@@ -50,7 +50,8 @@ class SqliteSceneStore final : public SceneStore {
     return go_back_or_forth(false, author);
   }
   Result<std::shared_ptr<const Model>> restore(Revision revision, const std::string& author) override;
-  Result<std::optional<RevisionInfo>> undoable() const override;
+  Result<std::optional<Revision>> shown_by_undo() const override { return shown_by(true); }
+  Result<std::optional<Revision>> shown_by_redo() const override { return shown_by(false); }
   Result<std::vector<RevisionInfo>> log() const override;
   Result<std::shared_ptr<const Model>> model_at(Revision revision) const override;
   Result<std::vector<ProposalRecord>> proposals() const override;
@@ -69,6 +70,7 @@ class SqliteSceneStore final : public SceneStore {
   /// Takes the right to write, and checks that this store still shows the last revision.
   Result<Writing> begin_writing(Syncing syncing = Syncing::now);
   Result<std::shared_ptr<const Model>> go_back_or_forth(bool back, const std::string& author);
+  Result<std::optional<Revision>> shown_by(bool back) const;
   Result<std::shared_ptr<const Model>> commit_locked(const std::vector<Edit>& edits, RevisionInfo info,
                                                      Syncing syncing);
   Result<std::shared_ptr<const Model>> write(Writing writing, Model after, JournalEntry entry, NodeId next_node_id);
@@ -231,17 +233,14 @@ Result<std::shared_ptr<const Model>> SqliteSceneStore::restore(Revision revision
   return write(std::move(*writing), std::move(*after), std::move(entry), next_node_id_);
 }
 
-Result<std::optional<RevisionInfo>> SqliteSceneStore::undoable() const {
+Result<std::optional<Revision>> SqliteSceneStore::shown_by(bool back) const {
   const std::scoped_lock lock{mutex_};
   const auto snapshot = Transaction::begin(database_, "BEGIN");
   if (!snapshot) return fail(snapshot.error());
   const auto here = place_of(database_, model_->revision);
-  if (!here) return fail(here.error());
-  if (!here->undo_content) return std::optional<RevisionInfo>{};
-  auto change = read_info(database_, here->content);
   if (auto same = check_nothing_changed(); !same) return fail(same.error());
-  if (!change) return fail(change.error());
-  return std::optional{std::move(*change)};
+  if (!here) return fail(here.error());
+  return back ? here->undo_content : here->redo_revision;
 }
 
 Result<std::vector<RevisionInfo>> SqliteSceneStore::log() const {

@@ -82,8 +82,10 @@ class SceneStore {
   [[nodiscard]] virtual Result<std::shared_ptr<const Model>> undo(const std::string& author) = 0;
   [[nodiscard]] virtual Result<std::shared_ptr<const Model>> redo(const std::string& author) = 0;
 
-  /// The change that undo would take back, without pictures and snapshot; nothing where there is nothing to undo.
-  [[nodiscard]] virtual Result<std::optional<RevisionInfo>> undoable() const = 0;
+  /// The revision whose content undo or redo would show (0: the empty scene); nothing where there is nothing to undo
+  /// or redo.
+  [[nodiscard]] virtual Result<std::optional<Revision>> shown_by_undo() const = 0;
+  [[nodiscard]] virtual Result<std::optional<Revision>> shown_by_redo() const = 0;
 
   /// The content of any revision again, undone ones and 0 (the empty scene) included, as a new revision. It is a change
   /// like an accepted one: undo takes it back, redo after that brings it again, and redo no longer reaches what was

@@ -22,17 +22,30 @@ std::vector<std::byte> striped_picture() {
   return encode_png(picture).value();
 }
 
-TEST(SceneHistory, KeepsTheImportWhileTheStationRuns) {
-  RevisionInfo change;
-  change.revision = 1;
-  change.summary = "imported model.ply";
-  EXPECT_THAT(why_not_undone_live(change).value(),
-              testing::AllOf(testing::HasSubstr("revision 1"), testing::HasSubstr("scene undo")));
-  change.summary = "revision 1 restored";
-  EXPECT_FALSE(why_not_undone_live(change));
-  change.summary = "proposal 1: +3 triangles";
-  change.proposals.emplace_back();
-  EXPECT_FALSE(why_not_undone_live(change));
+TEST(SceneHistory, TellsWhatWouldEmptyTheScene) {
+  const fs::path folder = fs::temp_directory_path() / ("meshloop-empty-" + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  auto store = SceneStore::open(folder / "a.db", true).value();
+  Submesh triangle;
+  triangle.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  triangle.triangles = {{0, 1, 2}};
+  const AddNode one{make_node(1, "one", triangle)};
+  const AddNode two{make_node(2, "two", triangle)};
+  EXPECT_FALSE(would_empty(*store, true).value()) << "there is nothing to undo";
+  store->commit({one}, {}).value();
+  EXPECT_TRUE(would_empty(*store, true).value());
+  EXPECT_FALSE(would_empty(*store, false).value()) << "there is nothing to redo";
+  store->commit({two}, {}).value();
+  EXPECT_FALSE(would_empty(*store, true).value());
+  store->undo("anna").value();
+  store->undo("anna").value();
+  EXPECT_FALSE(would_empty(*store, false).value()) << "it is empty already";
+  store->restore(1, "anna").value();
+  EXPECT_TRUE(would_empty(*store, true).value()) << "it was empty before it was restored";
+  store->restore(0, "anna").value();
+  store->undo("anna").value();
+  EXPECT_TRUE(would_empty(*store, false).value());
+  fs::remove_all(folder);
 }
 
 TEST(SceneHistory, WritesNoDamagedPicture) {

@@ -74,22 +74,26 @@ TEST_F(Store, KeepsGeometryWithoutColors) {
   EXPECT_FALSE(open_or_die(scene_)->model()->nodes[0].submesh->has_colors());
 }
 
-TEST_F(Store, TellsWhatUndoWouldTakeBack) {
+TEST_F(Store, TellsWhatUndoAndRedoWouldShow) {
   const auto store = open_or_die(scene_);
-  EXPECT_FALSE(store->undoable().value());
-  RevisionInfo info;
-  info.summary = "first";
-  store->commit({add(1, 1)}, info).value();
-  info.summary = "second";
-  store->commit({add(2, 2)}, info).value();
-  EXPECT_EQ(store->undoable().value().value().summary, "second");
-  store->undo("anna").value();
-  EXPECT_EQ(store->undoable().value().value().summary, "first") << "of an undo's content, not the undo";
-  store->redo("anna").value();
-  EXPECT_EQ(store->undoable().value().value().revision, 2u);
-  store->undo("anna").value();
-  store->undo("anna").value();
-  EXPECT_FALSE(store->undoable().value());
+  EXPECT_FALSE(store->shown_by_undo().value());
+  EXPECT_FALSE(store->shown_by_redo().value());
+  store->commit({add(1, 1)}, {}).value();
+  store->commit({add(2, 2)}, {}).value();
+  const auto expect_true = [&](bool back) {
+    const auto told = back ? store->shown_by_undo() : store->shown_by_redo();
+    const auto expected = store->model_at(told.value().value()).value();
+    const auto shown = (back ? store->undo("anna") : store->redo("anna")).value();
+    ASSERT_EQ(shown->nodes.size(), expected->nodes.size());
+    for (std::size_t i = 0; i < shown->nodes.size(); ++i) EXPECT_EQ(shown->nodes[i].hash, expected->nodes[i].hash);
+  };
+  expect_true(true);
+  expect_true(true);
+  EXPECT_EQ(store->model()->triangle_count(), 0u);
+  EXPECT_FALSE(store->shown_by_undo().value());
+  expect_true(false);
+  expect_true(false);
+  EXPECT_FALSE(store->shown_by_redo().value());
 }
 
 TEST_F(Store, UndoAndRedoAreNewRevisions) {
