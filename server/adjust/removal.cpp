@@ -69,7 +69,7 @@ std::map<RegionId, Removal> removals_of(const Snapshot& snapshot, const VisibleS
   for (std::size_t t = 0; t < marks.size(); ++t) {
     if (large.is_shown[t]) marks[t] = 0;
   }
-  keep_what_only_touches(snapshot, surface, position, vertices, large.is_shown, marks);
+  keep_what_only_touches(snapshot, surface, position, vertices, marks);
   const auto in_sight = [&](std::size_t t) {
     // What is large is no crumb.
     if (large.is_large[t]) return false;

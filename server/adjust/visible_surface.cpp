@@ -10,7 +10,7 @@ namespace meshloop::adjust {
 namespace {
 
 constexpr double kSmallestTolerance_m = 0.002;
-constexpr double kDrawnTwice_m = 0.01;
+constexpr double kSame_m = 0.01;
 constexpr int kSilhouette_px = 2;
 
 }  // namespace
@@ -118,7 +118,7 @@ bool VisibleSurface::is_seen_through(int x, int y, double z) const {
 
 bool VisibleSurface::is_expected(int x, int y, std::size_t node_position, double z) const {
   const Comparison& c = *snapshot_->comparison;
-  return c.node_index(x, y) == node_position + 1 && std::abs(c.expected(x, y) - z) <= kDrawnTwice_m;
+  return c.node_index(x, y) == node_position + 1 && std::abs(c.expected(x, y) - z) <= kSame_m;
 }
 
 Sighting VisibleSurface::look_at(const Eigen::Vector3d& p_world, std::size_t node_position) const {
