@@ -28,10 +28,13 @@ class Writer {
 
   /// None is two empty lists: one way only to write each texture, so that what is read is what was written.
   void texture(const Texture& texture) {
-    std::vector<float> values;
-    if (texture) values.assign(texture->projection.data(), texture->projection.data() + texture->projection.size());
-    list(values);
-    list(texture ? texture->jpeg : std::vector<std::byte>{});
+    if (!texture) {
+      number(0);
+      number(0);
+      return;
+    }
+    list(std::vector<float>(texture->projection.data(), texture->projection.data() + texture->projection.size()));
+    list(texture->jpeg);
   }
 
   [[nodiscard]] bool good() const { return good_; }

@@ -49,8 +49,12 @@ TEST(PartBuffer, GivesBackWhatWasWritten) {
 TEST(PartBuffer, RefusesEveryTruncationAndExtraBytes) {
   Submesh triangle;
   triangle.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  triangle.colors = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}};
   triangle.triangles = {{0, 1, 2}};
-  auto bytes = bytes_of(part_of(triangle));
+  ReadParts read = part_of(triangle);
+  triangle.colors.clear();
+  read.parts.push_back({"", triangle});
+  auto bytes = bytes_of(read);
   ASSERT_TRUE(parts_from_bytes(bytes));
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     EXPECT_FALSE(parts_from_bytes(std::span{bytes}.first(size))) << size;
