@@ -22,8 +22,8 @@ void ChangeTally::add_withheld(int frame, const PoseObjection& objection) {
   ++closed.frames;
 }
 
-int ChangeTally::withheld() const {
-  int frames = distrusted_;
+int ChangeTally::objected() const {
+  int frames = 0;
   for (const auto& closed : closed_) frames += closed.frames;
   return frames;
 }

@@ -1,7 +1,6 @@
 #pragma once
 // What became of a live run's frames with confirmed changes.
 #include <array>
-#include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -22,8 +21,8 @@ class ChangeTally {
   /// Good itself, but it follows one that was withheld.
   void add_distrusted() { ++distrusted_; }
 
-  /// Frames with confirmed changes were looked at, and each was withheld.
-  [[nodiscard]] bool is_all_withheld() const { return usable_ == 0 && withheld() > 0; }
+  /// Frames with confirmed changes were looked at, none could be used, and most were wrong themselves.
+  [[nodiscard]] bool is_all_withheld() const { return usable_ == 0 && objected() > distrusted_; }
   /// `confirmed`, `waiting`, `looked_at`, `withheld` (frames), and `reason`, of the gate that closed most often in the
   /// frame where it did first; null where none did.
   [[nodiscard]] nlohmann::json json() const;
@@ -36,7 +35,9 @@ class ChangeTally {
     int first_frame = 0;
     std::string first_reason;
   };
-  [[nodiscard]] int withheld() const;
+  /// Frames that a gate closed for.
+  [[nodiscard]] int objected() const;
+  [[nodiscard]] int withheld() const { return objected() + distrusted_; }
   /// Of a tie the gate that comes first; nothing where none closed.
   [[nodiscard]] const Closed* main_gate() const;
 

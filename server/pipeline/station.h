@@ -81,7 +81,7 @@ class Station {
   [[nodiscard]] Result<Offer> look(TrackedFrame tracked, Examination examination, Fusable fusable, Turn turn);
   [[nodiscard]] Fusable fusable_with(const TrackedFrame& tracked, const RegionMap& regions) const;
   /// Counts the frames that must pass the gates before the model is changed again, and those that were withheld.
-  /// `speaks_for_poses`: a frame that passed the gates is one of those that must.
+  /// `speaks_for_poses`: not of a frame that is compared anew, and not where nothing is proposed.
   [[nodiscard]] std::optional<std::string> count_withheld(int frame, const std::optional<PoseObjection>& objection,
                                                           bool speaks_for_poses);
   void tell_withheld(const TrackedFrame& tracked, const std::string& reason, const Registration& registration,

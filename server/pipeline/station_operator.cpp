@@ -13,6 +13,10 @@
 namespace meshloop {
 namespace {
 
+constexpr const char* kWouldEmpty =
+    "that would take the whole model from all devices; to do so, end the station and use `scene undo`, or `scene "
+    "restore REVISION`";
+
 /// Of the frames' own time. Proposing takes as long as a few frames.
 constexpr double kLookAgain_s = 1;
 
@@ -86,7 +90,13 @@ std::optional<std::string> Station::count_withheld(int frame, const std::optiona
     return objection->reason;
   }
   auto doubt = speaks_for_poses ? parts_->trust.regain() : std::nullopt;
-  doubt ? parts_->tally.add_distrusted() : parts_->tally.add_usable();
+  if (!doubt) {
+    parts_->tally.add_usable();
+  } else if (parts_->trust.was_lost()) {
+    parts_->tally.add_distrusted();
+  } else {
+    parts_->tally.add_waiting();
+  }
   return doubt;
 }
 
@@ -128,7 +138,8 @@ void Station::watch_pose(const TrackedFrame& tracked, const Examination& examina
   if (looked && now_s >= looked->timestamp_s && now_s - looked->timestamp_s < kLookAgain_s) return;
   parts_->looked = Looked{{}, now_s};
   const auto check = check_pose(tracked, examination, parts_->rig, *parts_->store->model());
-  const auto withheld = count_withheld(tracked.frame.index, check.objection, true);
+  // Nothing waits for the poses to be trusted again here.
+  const auto withheld = count_withheld(tracked.frame.index, check.objection, false);
   if (withheld) tell_withheld(tracked, *withheld, check.registration, check.rings);
 }
 
@@ -291,12 +302,9 @@ Result<Station::Refusal> Station::reject_as_told(OperatorCommand command) {
 Result<Station::Refusal> Station::go_back_or_forth(bool back) {
   auto& store = *parts_->store;
   const auto& author = parts_->options.operator_name;
-  if (back) {
-    const auto change = store.undoable();
-    if (!change) return fail(change.error());
-    auto why = *change ? why_not_undone_live(**change) : std::nullopt;
-    if (why) return why;
-  }
+  const auto empties = would_empty(store, back);
+  if (!empties) return fail(empties.error());
+  if (*empties) return Refusal{kWouldEmpty};
   const auto model = back ? store.undo(author) : store.redo(author);
   if (!model) return Refusal{model.error().message};
   const auto now_ns = wall_clock_ns();

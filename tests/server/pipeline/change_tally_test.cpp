@@ -47,6 +47,14 @@ TEST(ChangeTally, IsNotAllWithheldWhereOneFrameWasUsable) {
   EXPECT_THAT(tally.why_withheld(), HasSubstr("1 frame with confirmed changes was withheld"));
 }
 
+TEST(ChangeTally, DoesNotBlameARunForOneFrame) {
+  ChangeTally tally;
+  tally.add_withheld(3, kBeside);
+  EXPECT_TRUE(tally.is_all_withheld());
+  for (int i = 0; i < 5; ++i) tally.add_distrusted();
+  EXPECT_FALSE(tally.is_all_withheld());
+}
+
 TEST(ChangeTally, OfFramesThatWaitedBlamesNoPose) {
   ChangeTally tally;
   tally.add_confirmed();
