@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <string_view>
 
 namespace meshloop {
@@ -16,8 +17,12 @@ std::string counted(const Event& count, std::string_view what) {
   return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
 }
 
+/// What came from outside cannot drive the terminal.
 std::string word(const Event& event, const char* key) {
-  return event.at(key).get<std::string>();
+  auto text = event.at(key).get<std::string>();
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
+  return text;
 }
 
 std::string serving_text(const Event& event) {
@@ -25,8 +30,8 @@ std::string serving_text(const Event& event) {
 }
 
 std::string frame_text(const Event& event) {
-  std::string text = fmt::format("frame {}: {}, {:.0f} ms", event.at("index").get<int>(), word(event, "state"),
-                                 event.at("track_ms").get<double>());
+  std::string text = fmt::format("frame {}: {}, tracked in {:.0f} ms", event.at("index").get<int>(),
+                                 word(event, "state"), event.at("track_ms").get<double>());
   if (event.contains("confirmed_regions")) {
     text += "; " + counted(event.at("confirmed_regions"), "confirmed region");
   }
@@ -54,7 +59,7 @@ std::string revision_text(const Event& event) {
 
 std::string command_text(const Event& event) {
   const Event& refused = event.at("refused");
-  const std::string outcome = refused.is_null() ? "done" : "refused: " + refused.get<std::string>();
+  const std::string outcome = refused.is_null() ? "done" : "refused: " + word(event, "refused");
   return fmt::format("> {}: {}", word(event, "command"), outcome);
 }
 

@@ -46,7 +46,7 @@ def reported(path):
 
 folder, path = programs.work_folder()
 domain = 1 + os.getpid() % 200
-made = programs.run(programs.STATION, "simulate", "--out", path / "data", "--station-frames", 36, "--device-frames", 40, timeout=200)
+made = programs.run(programs.STATION, "simulate", "--out", path / "data", "--device-frames", 40, timeout=200)
 programs.check(made.returncode == 0, "simulated data " + made.stderr)
 device = subprocess.Popen(
     [programs.DEVICE, "run", "--scene", "killed", "--domain", str(domain), "--camera",
@@ -54,6 +54,7 @@ device = subprocess.Popen(
      "--display", f"offscreen:{path / 'views'}", "--every", "1000", "--json"],
     stdout=open(path / "device.jsonl", "w"), stderr=subprocess.DEVNULL)
 source = random.Random(1)
+most = 0
 for round_ in range(ROUNDS):
     for name in ("scene.db", "scene.db-wal", "scene.db-shm"):
         if round_ == 0:
@@ -69,9 +70,11 @@ for round_ in range(ROUNDS):
     station.send_signal(signal.SIGKILL)
     station.wait()
     last = max(reported(path), default=0)
+    most = max(most, last)
     info = programs.run(programs.STATION, "scene", "info", "--scene", path / "scene.db", "--json")
     present = json.loads(info.stdout)["revision"] if info.returncode == 0 else -1
     programs.check(present >= max(last, 1), f"round {round_}: revision {last} was reported, {present} is in the store")
+programs.check(most > 1, f"revisions were reported, up to {most}")
 
 station, log = start_station(path, domain)
 programs.check(wait_until(lambda: any(e["event"] == "end" for e in events(path)), 120), "the restarted station goes on to the end")

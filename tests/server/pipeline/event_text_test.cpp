@@ -16,12 +16,13 @@ TEST(EventText, IsALineForPeople) {
 
 TEST(EventText, OfAFrameSaysWhatIsKnown) {
   nlohmann::json frame{{"event", "frame"}, {"index", 7}, {"state", "lost"}, {"track_ms", 33.34}, {"timestamp", 1.7}};
-  EXPECT_EQ(event_text(frame), "frame 7: lost, 33 ms");
+  EXPECT_EQ(event_text(frame), "frame 7: lost, tracked in 33 ms");
   frame["state"] = "tracking";
   frame["confirmed_regions"] = 1;
-  EXPECT_EQ(event_text(frame), "frame 7: tracking, 33 ms; 1 confirmed region");
+  EXPECT_EQ(event_text(frame), "frame 7: tracking, tracked in 33 ms; 1 confirmed region");
   frame["waits"] = "the camera moves too fast";
-  EXPECT_EQ(event_text(frame), "frame 7: tracking, 33 ms; 1 confirmed region; waits: the camera moves too fast");
+  EXPECT_EQ(event_text(frame),
+            "frame 7: tracking, tracked in 33 ms; 1 confirmed region; waits: the camera moves too fast");
 }
 
 TEST(EventText, OfARevisionSaysWhatWasSentToHowMany) {
@@ -40,6 +41,11 @@ TEST(EventText, OfACommandSaysWhetherItWasRefused) {
   EXPECT_EQ(event_text(command), "> undo: done");
   command["refused"] = "nothing is proposed now";
   EXPECT_EQ(event_text(command), "> undo: refused: nothing is proposed now");
+}
+
+TEST(EventText, CannotDriveTheTerminal) {
+  const nlohmann::json command{{"event", "command"}, {"command", "\x1b[31m\xff"}, {"refused", "\a"}, {"revision", 2}};
+  EXPECT_EQ(event_text(command), "> ?[31m?: refused: ?");
 }
 
 TEST(EventText, OfTheEndHasTheFigures) {
