@@ -7,7 +7,6 @@ namespace meshloop {
 void PoseTrust::lose() {
   constexpr int kGoodFramesAfterBad = 5;
   frames_due_ = kGoodFramesAfterBad;
-  was_lost_ = true;
 }
 
 std::optional<std::string> PoseTrust::regain() {
@@ -18,9 +17,8 @@ std::optional<std::string> PoseTrust::regain() {
 
 std::optional<std::string> PoseTrust::doubt() const {
   if (frames_due_ == 0) return std::nullopt;
-  return fmt::format("{}: {} more frame{} must speak for them",
-                     was_lost_ ? "the poses were wrong a moment ago" : "the poses are not known to be right yet",
-                     frames_due_, frames_due_ == 1 ? "" : "s");
+  return fmt::format("the poses were wrong a moment ago: {} more frame{} must speak for them", frames_due_,
+                     frames_due_ == 1 ? "" : "s");
 }
 
 std::string PoseTrust::why_nothing_is_proposed() const {

@@ -4,14 +4,12 @@
 
 namespace meshloop {
 
-/// Whether the poses of the last frames allow the model to be changed. What makes a pose wrong does not show in every
-/// frame: so several must speak for the poses before the first change, and more of them after one that was wrong.
+/// Whether the poses of the last frames allow the model to be changed. What made a pose wrong is hardly gone after one
+/// frame that does not show it, so several must follow.
 class PoseTrust {
  public:
   /// A frame whose pose was found wrong.
   void lose();
-  /// A pose was found wrong.
-  [[nodiscard]] bool was_lost() const { return was_lost_; }
   /// A frame with something to propose that passed the gates. Returns why nothing is done with it, if so.
   [[nodiscard]] std::optional<std::string> regain();
   /// Why the model may not be changed now.
@@ -20,8 +18,7 @@ class PoseTrust {
   [[nodiscard]] std::string why_nothing_is_proposed() const;
 
  private:
-  bool was_lost_ = false;
-  int frames_due_ = 2;
+  int frames_due_ = 0;
 };
 
 }  // namespace meshloop

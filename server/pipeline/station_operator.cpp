@@ -90,13 +90,7 @@ std::optional<std::string> Station::count_withheld(int frame, const std::optiona
     return objection->reason;
   }
   auto doubt = speaks_for_poses ? parts_->trust.regain() : std::nullopt;
-  if (!doubt) {
-    parts_->tally.add_usable();
-  } else if (parts_->trust.was_lost()) {
-    parts_->tally.add_distrusted();
-  } else {
-    parts_->tally.add_waiting();
-  }
+  doubt ? parts_->tally.add_distrusted() : parts_->tally.add_usable();
   return doubt;
 }
 
